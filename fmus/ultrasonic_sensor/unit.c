@@ -1,0 +1,155 @@
+/* UltrasonicSensor: the checks, the pings and their times. */
+#include "unit.h"
+#include "equations.h"
+#include "echo.c"
+
+#include <math.h>
+#include <string.h>
+
+#define SHORTEST_PERIOD 0.001 /* s; the air is not silent sooner, and each ping costs an event */
+
+static Status ultrasonic_sensor_check(const UltrasonicSensor *sensor, Log *log)
+{
+    if (sensor->period > 0.0 && sensor->period < SHORTEST_PERIOD) {
+        return report(log, STATUS_ERROR, "period = %g s; allowed range: 0 (pings by trigger only) or at least %g s",
+                      sensor->period, SHORTEST_PERIOD);
+    }
+    if (sensor->minimum_range >= sensor->maximum_range) {
+        return report(log, STATUS_ERROR, "minimum_range = %g m; allowed range: below maximum_range (%g m)",
+                      sensor->minimum_range, sensor->maximum_range);
+    }
+    double sound = speed_of_sound_in_air(sensor->temperature, sensor->humidity);
+    if (norm(sensor->velocity) >= sound || norm(sensor->sphere_velocity) >= sound) {
+        return report(log, STATUS_ERROR,
+                      "velocity = %g m/s, sphere_velocity = %g m/s in length; allowed range: below the speed of sound "
+                      "(%g m/s)", norm(sensor->velocity), norm(sensor->sphere_velocity), sound);
+    }
+    return STATUS_OK;
+}
+
+/* An input belongs to the time at which it took its value; from there it moves with its velocity. */
+static void notice_change(double time, Vector input, Vector *seen, double *since)
+{
+    if (memcmp(&input, seen, sizeof input) != 0) {
+        *seen = input;
+        *since = time;
+    }
+}
+
+static void notice_inputs(UltrasonicSensor *sensor)
+{
+    notice_change(sensor->time, sensor->position, &sensor->position_seen, &sensor->position_time);
+    notice_change(sensor->time, sensor->sphere_center, &sensor->sphere_center_seen, &sensor->sphere_center_time);
+}
+
+static bool trigger_rises(const UltrasonicSensor *sensor)
+{
+    return sensor->trigger && !sensor->trigger_before;
+}
+
+/* A product, not a sum of steps: no drift. */
+static double ping_time(const UltrasonicSensor *sensor, uint64_t ping)
+{
+    return sensor->period > 0.0 ? sensor->start_time + (double)ping * sensor->period : INFINITY;
+}
+
+/* The bits of seed and counter well mixed: the finalizer of SplitMix64, Steele et al. 2014. */
+static uint64_t mixed(uint64_t bits)
+{
+    bits += UINT64_C(0x9E3779B97F4A7C15);
+    bits = (bits ^ (bits >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
+    bits = (bits ^ (bits >> 27)) * UINT64_C(0x94D049BB133111EB);
+    return bits ^ (bits >> 31);
+}
+
+/* In (0, 1). */
+static double uniform(uint64_t bits)
+{
+    return ((double)(bits >> 11) + 0.5) * 0x1p-53;
+}
+
+/* A standard normal number that depends on seed and counter alone; Box and Muller 1958. */
+static double normal_number(int32_t seed, int32_t counter)
+{
+    uint64_t first = mixed(mixed((uint64_t)(uint32_t)seed) ^ (uint64_t)(uint32_t)counter);
+    uint64_t second = mixed(first);
+    return sqrt(-2.0 * log(uniform(first))) * cos(2.0 * PI * uniform(second));
+}
+
+/* What the device makes of a distance. */
+static double reported_distance(const UltrasonicSensor *sensor, double distance)
+{
+    if (sensor->noise > 0.0) {
+        distance = fmax(0.0, distance + sensor->noise * normal_number(sensor->seed, sensor->sequence));
+    }
+    return sensor->resolution > 0.0 ? sensor->resolution * round(distance / sensor->resolution) : distance;
+}
+
+static void start_ping(UltrasonicSensor *sensor, double emission)
+{
+    double speed = sensor->speed_of_sound;
+    Echo echo = first_echo(sensor, emission);
+    sensor->pending_valid = isfinite(echo.time);
+    sensor->pending_level = echo.level;
+    if (sensor->pending_valid) {
+        sensor->pending_width = echo.time;
+        sensor->pending_distance = reported_distance(sensor, distance_of_time(echo.time, speed, sensor->baseline));
+    } else {
+        sensor->pending_width = time_of_distance(sensor->maximum_range, speed, sensor->baseline);
+        sensor->pending_distance = sensor->maximum_range;
+    }
+    sensor->finish_time = emission + sensor->pending_width;
+    sensor->in_flight = true;
+}
+
+/* The periodic pings that fell into the flight are lost. */
+static void finish_ping(UltrasonicSensor *sensor)
+{
+    sensor->distance = sensor->pending_distance;
+    sensor->echo_width = sensor->pending_width;
+    sensor->valid = sensor->pending_valid;
+    sensor->level = sensor->pending_level;
+    sensor->sequence = sensor->sequence < INT32_MAX ? sensor->sequence + 1 : 0;
+    sensor->in_flight = false;
+    while (ping_time(sensor, sensor->next_ping) < sensor->finish_time) {
+        sensor->next_ping++;
+    }
+}
+
+static double ultrasonic_sensor_next_event(const UltrasonicSensor *sensor)
+{
+    if (trigger_rises(sensor)) {
+        return sensor->time;
+    }
+    return sensor->in_flight ? sensor->finish_time : ping_time(sensor, sensor->next_ping);
+}
+
+/* One event at a time, the earliest; its own time counts, which `time` may miss by a rounding. A
+ * trigger during a flight is lost. */
+static void ultrasonic_sensor_event(UltrasonicSensor *sensor)
+{
+    bool finished = sensor->in_flight && sensor->finish_time <= sensor->time;
+    notice_inputs(sensor);
+    if (trigger_rises(sensor) && !finished) {
+        sensor->trigger_before = true;
+        if (!sensor->in_flight) {
+            start_ping(sensor, sensor->time);
+        }
+    } else if (sensor->in_flight) {
+        finish_ping(sensor);
+    } else {
+        double emission = ping_time(sensor, sensor->next_ping);
+        sensor->next_ping++;
+        start_ping(sensor, emission);
+    }
+}
+
+/* Nothing happens between events but the passing of time. */
+static Status ultrasonic_sensor_step(UltrasonicSensor *sensor, double step, Log *log)
+{
+    notice_inputs(sensor);
+    sensor->trigger_before = sensor->trigger;
+    (void)step;
+    (void)log;
+    return STATUS_OK;
+}

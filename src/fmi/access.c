@@ -1,0 +1,199 @@
+/* Getting and setting variables: one loop over the table for every type. */
+#include "instance.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const size_t element_size[VALUE_TYPES] = {
+    [FLOAT64] = sizeof(double),  [FLOAT32] = sizeof(float), [INT32] = sizeof(int32_t),
+    [UINT64] = sizeof(uint64_t), [BOOLEAN] = sizeof(bool),  [ENUMERATION] = sizeof(int64_t),
+};
+
+static const char *const type_names[VALUE_TYPES] = {
+    [FLOAT64] = "Float64", [FLOAT32] = "Float32", [INT32] = "Int32",
+    [UINT64] = "UInt64",   [BOOLEAN] = "Boolean", [ENUMERATION] = "Enumeration",
+};
+
+/* The variable of a value reference; `whole` where the reference must be that of a first element. */
+static const Variable *instance_find(Instance *instance, const char *call, uint32_t reference, bool whole)
+{
+    if (reference < unit.reference_count) {
+        const Variable *variable = &unit.variables[unit.variable_of[reference]];
+        if (variable->causality != MEMORY && (!whole || variable->reference == reference)) {
+            return variable;
+        }
+    }
+    report(&instance->log, STATUS_ERROR, "%s: unknown value reference %u; allowed range: those in modelDescription.xml",
+           call, (unsigned)reference);
+    return NULL;
+}
+
+static const char *element_name(const Variable *variable, uint32_t element, char *text, size_t size)
+{
+    if (variable->count == 1) {
+        return variable->name;
+    }
+    snprintf(text, size, "%s[%u]", variable->name, (unsigned)element + 1);
+    return text;
+}
+
+static double value_at(uint8_t type, const char *place)
+{
+    union {
+        double float64;
+        float float32;
+        int32_t int32;
+        uint64_t uint64;
+        int64_t int64;
+        bool boolean;
+    } value;
+    memcpy(&value, place, element_size[type]);
+    switch ((ValueType)type) {
+    case FLOAT64: return value.float64;
+    case FLOAT32: return (double)value.float32;
+    case INT32: return (double)value.int32;
+    case UINT64: return (double)value.uint64;
+    case ENUMERATION: return (double)value.int64;
+    case BOOLEAN: return value.boolean ? 1.0 : 0.0;
+    case VALUE_TYPES: break;
+    }
+    return NAN;
+}
+
+static double element_as_double(const Instance *instance, const Variable *variable, uint32_t element)
+{
+    return value_at(variable->type, instance->values + variable->offset + element * element_size[variable->type]);
+}
+
+static bool computed(const Variable *variable)
+{
+    return variable->causality == OUTPUT || variable->causality == LOCAL;
+}
+
+/* Makes sure that what is read has been computed. */
+static Status instance_ready_to_read(Instance *instance, const char *call, const Variable *variable)
+{
+    if (!computed(variable) || variable->variability == CONSTANT) {
+        return STATUS_OK;
+    }
+    if (instance->mode & (INSTANTIATED | CONFIGURATION)) {
+        return instance_allows(instance, call, INITIALIZATION | EVENT | CONTINUOUS_TIME | STEP | RECONFIGURATION | TERMINATED);
+    }
+    if (variable->group == NO_GROUP || variable->group == STREAM) {
+        return instance->mode == INITIALIZATION || variable->group == STREAM ? instance_refresh(instance, 0) : STATUS_OK;
+    }
+    return instance_refresh(instance, 1U << variable->group);
+}
+
+static Status check_arrays(Instance *instance, const char *call, const void *references, const void *values, size_t count)
+{
+    return count && (!references || !values) ? instance_refuse(instance, call, "an array is NULL") : STATUS_OK;
+}
+
+static Status check_settable(Instance *instance, const Variable *variable)
+{
+    Log *log = &instance->log;
+    switch ((Causality)variable->causality) {
+    case INPUT:
+        if (instance->mode & (INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS_TIME | STEP)) {
+            return STATUS_OK;
+        }
+        return report(log, STATUS_ERROR, "%s is an input: it cannot be set now", variable->name);
+    case PARAMETER:
+        if (instance->mode & (INSTANTIATED | INITIALIZATION)) {
+            return STATUS_OK;
+        }
+        if (variable->variability == TUNABLE && instance->mode & (EVENT | STEP)) {
+            return STATUS_OK;
+        }
+        return report(log, STATUS_ERROR, "%s is a %s parameter: it cannot be set after initialization", variable->name,
+                      variable->variability == TUNABLE ? "tunable" : "fixed");
+    case STRUCTURAL_PARAMETER:
+        if (instance->mode & CONFIGURATION) {
+            return STATUS_OK;
+        }
+        return report(log, STATUS_ERROR, "%s is a structural parameter: it can be set in Configuration Mode only",
+                      variable->name);
+    case INDEPENDENT:
+    case OUTPUT:
+    case LOCAL:
+    case MEMORY: break;
+    }
+    return report(log, STATUS_ERROR, "%s is computed by the unit: it cannot be set", variable->name);
+}
+
+static Status check_value(Instance *instance, const Variable *variable, uint32_t element, double value)
+{
+    if (value >= variable->minimum && value <= variable->maximum && isfinite(value)) {
+        return STATUS_OK;
+    }
+    char name[96], range[96] = "any finite value";
+    bool low = isfinite(variable->minimum), high = isfinite(variable->maximum);
+    if (low && high) {
+        snprintf(range, sizeof range, "%g to %g", variable->minimum, variable->maximum);
+    } else if (low) {
+        snprintf(range, sizeof range, "at least %g", variable->minimum);
+    } else if (high) {
+        snprintf(range, sizeof range, "at most %g", variable->maximum);
+    }
+    return report(&instance->log, STATUS_ERROR, "%s = %g %s; allowed range: %s",
+                  element_name(variable, element, name, sizeof name), value, variable->unit, range);
+}
+
+static Status check_state_count(Instance *instance, const char *what, size_t count, const double *values)
+{
+    if (count != unit.state_count) {
+        return report(&instance->log, STATUS_ERROR, "%s: an array of %zu was given; the unit has %zu continuous states", what,
+                      count, unit.state_count);
+    }
+    return count && !values ? report(&instance->log, STATUS_ERROR, "%s: the array is NULL", what) : STATUS_OK;
+}
+
+static Status instance_get_states(Instance *instance, double *states, size_t count, bool derivatives)
+{
+    Status status = check_state_count(instance, derivatives ? "derivatives" : "continuous states", count, states);
+    size_t next = 0;
+    for (size_t i = 0; status == STATUS_OK && i < unit.variable_count; i++) {
+        if (unit.variables[i].state) {
+            const Variable *variable = &unit.variables[derivatives ? i + 1 : i];
+            status = instance_ready_to_read(instance, "reading states", variable);
+            memcpy(states + next, instance->values + variable->offset, variable->count * sizeof(double));
+            next += variable->count;
+        }
+    }
+    return status;
+}
+
+static Status instance_set_states(Instance *instance, const double *states, size_t count)
+{
+    Status status = check_state_count(instance, "continuous states", count, states);
+    const double *next = states;
+    for (size_t i = 0; status == STATUS_OK && i < unit.variable_count; i++) {
+        const Variable *variable = &unit.variables[i];
+        if (!variable->state) {
+            continue;
+        }
+        for (uint32_t k = 0; status == STATUS_OK && k < variable->count; k++) {
+            status = check_value(instance, variable, k, next[k]);
+        }
+        if (status == STATUS_OK) {
+            memcpy(instance->values + variable->offset, next, variable->count * sizeof(double));
+            next += variable->count;
+        }
+    }
+    instance_touch(instance);
+    return status;
+}
+
+static Status instance_get_nominals(Instance *instance, double *nominals, size_t count)
+{
+    Status status = check_state_count(instance, "nominals", count, nominals);
+    size_t next = 0;
+    for (size_t i = 0; status == STATUS_OK && i < unit.variable_count; i++) {
+        for (uint32_t k = 0; unit.variables[i].state && k < unit.variables[i].count; k++) {
+            nominals[next++] = unit.variables[i].nominal;
+        }
+    }
+    return status;
+}

@@ -1,0 +1,276 @@
+/* From instantiation to the end: modes, initialization, and when what is computed again. */
+#include "instance.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const struct {
+    Mode mode;
+    const char *name;
+} mode_names[] = {
+    {INSTANTIATED, "Instantiated"},
+    {CONFIGURATION, "Configuration Mode"},
+    {INITIALIZATION, "Initialization Mode"},
+    {EVENT, "Event Mode"},
+    {CONTINUOUS_TIME, "Continuous-Time Mode"},
+    {STEP, "Step Mode"},
+    {RECONFIGURATION, "Reconfiguration Mode"},
+    {TERMINATED, "Terminated"},
+    {FAILED, "Failed"},
+};
+
+enum { MODE_NAMES = sizeof mode_names / sizeof *mode_names };
+
+static void list_modes(unsigned modes, char *text, size_t size)
+{
+    size_t used = 0;
+    text[0] = '\0';
+    for (size_t i = 0; i < MODE_NAMES; i++) {
+        if ((modes & mode_names[i].mode) && used < size) {
+            int n = snprintf(text + used, size - used, "%s%s", used ? ", " : "", mode_names[i].name);
+            used += n > 0 ? (size_t)n : 0;
+        }
+    }
+}
+
+static Status instance_allows(Instance *instance, const char *call, unsigned modes)
+{
+    if (instance->mode & modes) {
+        return STATUS_OK;
+    }
+    char now[64], allowed[256];
+    list_modes(instance->mode, now, sizeof now);
+    list_modes(modes, allowed, sizeof allowed);
+    return report(&instance->log, STATUS_ERROR, "%s is not allowed in %s; allowed in: %s", call, now, allowed);
+}
+
+static Status instance_change_mode(Instance *instance, const char *call, unsigned from, Mode to)
+{
+    Status status = instance_allows(instance, call, from);
+    if (status == STATUS_OK) {
+        instance->mode = to;
+    }
+    return status;
+}
+
+static Status instance_refuse(Instance *instance, const char *call, const char *reason)
+{
+    return report(&instance->log, STATUS_ERROR, "%s: %s", call, reason);
+}
+
+static double instance_time(const Instance *instance)
+{
+    double time;
+    memcpy(&time, instance->values, sizeof time);
+    return time;
+}
+
+static void instance_set_time(Instance *instance, double time)
+{
+    memcpy(instance->values, &time, sizeof time);
+}
+
+static Status instance_move_time(Instance *instance, double time)
+{
+    if (!isfinite(time)) {
+        return report(&instance->log, STATUS_ERROR, "time = %g s is not finite", time);
+    }
+    instance_set_time(instance, time);
+    instance->stale = UINT32_MAX;
+    return STATUS_OK;
+}
+
+/* Everything computed is out of date. */
+static void instance_touch(Instance *instance)
+{
+    instance->stale = UINT32_MAX;
+    instance->unchecked = true;
+}
+
+static void instance_to_start(Instance *instance)
+{
+    memcpy(instance->values, unit.start, unit.size);
+    instance->mode = INSTANTIATED;
+    instance->start_time = 0.0;
+    instance->stop_time = INFINITY;
+    instance->unprepared = true;
+    instance_touch(instance);
+}
+
+static Instance *instance_create(Kind kind, const char *name, const char *token, Log log)
+{
+    if (!token || strcmp(token, unit.token) != 0) {
+        report(&log, STATUS_ERROR, "%s: the instantiation token %s is not this unit's %s", unit.name,
+               token ? token : "(none)", unit.token);
+        return NULL;
+    }
+    if (!name || !*name) {
+        report(&log, STATUS_ERROR, "%s: the instance has no name", unit.name);
+        return NULL;
+    }
+    Instance *instance = calloc(1, sizeof *instance);
+    if (!instance) {
+        report(&log, STATUS_ERROR, "%s: out of memory", unit.name);
+        return NULL;
+    }
+    instance->log = log;
+    instance->kind = kind;
+    instance->values = calloc(1, unit.size);
+    instance->by_reference = calloc(3 * unit.reference_count, sizeof(double));
+    instance->log.instance_name = calloc(1, strlen(name) + 1);
+    if (!instance->values || !instance->by_reference || !instance->log.instance_name) {
+        report(&log, STATUS_ERROR, "%s: out of memory", unit.name);
+        instance_free(instance);
+        return NULL;
+    }
+    memcpy(instance->log.instance_name, name, strlen(name) + 1);
+    instance_to_start(instance);
+    return instance;
+}
+
+static void instance_free(Instance *instance)
+{
+    if (instance) {
+        free(instance->workspace);
+        free(instance->values);
+        free(instance->by_reference);
+        free(instance->log.instance_name);
+        free(instance);
+    }
+}
+
+static Status instance_reset(Instance *instance)
+{
+    instance_to_start(instance);
+    return STATUS_OK;
+}
+
+static Status instance_set_logging(Instance *instance, bool on, size_t count, const char *const categories[])
+{
+    static const struct {
+        const char *name;
+        unsigned bits;
+    } known[] = {
+        {"logStatusError", LOG_ERRORS},
+        {"logStatusWarning", LOG_WARNINGS},
+        {"logEvents", LOG_EVENTS},
+        {"logAll", LOG_ALL},
+    };
+    unsigned chosen = 0;
+    for (size_t i = 0; i < count; i++) {
+        unsigned bits = 0;
+        for (size_t k = 0; k < sizeof known / sizeof *known; k++) {
+            if (categories && categories[i] && strcmp(categories[i], known[k].name) == 0) {
+                bits = known[k].bits;
+            }
+        }
+        if (!bits) {
+            return report(&instance->log, STATUS_ERROR,
+                          "log category %s is unknown; known: logStatusError, logStatusWarning, logEvents, logAll",
+                          categories && categories[i] ? categories[i] : "(null)");
+        }
+        chosen |= bits;
+    }
+    /* errors and warnings are said in any case: to be silent about them helps nobody */
+    instance->log.categories = LOG_ERRORS | LOG_WARNINGS | (on ? (count ? chosen : LOG_ALL) : 0U);
+    return STATUS_OK;
+}
+
+static Status instance_set_experiment(Instance *instance, bool stop_defined, double start_time, double stop_time)
+{
+    if (!isfinite(start_time)) {
+        return report(&instance->log, STATUS_ERROR, "startTime = %g s is not finite", start_time);
+    }
+    if (stop_defined && (isnan(stop_time) || stop_time < start_time)) {
+        return report(&instance->log, STATUS_ERROR, "stopTime = %g s; allowed range: at least startTime = %g s",
+                      stop_time, start_time);
+    }
+    instance->start_time = start_time;
+    instance->stop_time = stop_defined ? stop_time : INFINITY;
+    instance->last_time = start_time;
+    instance_set_time(instance, start_time);
+    instance_touch(instance);
+    return STATUS_OK;
+}
+
+/* Norms of quaternions, then what the unit itself asks. */
+static Status check_values(Instance *instance)
+{
+    for (size_t i = 0; i < unit.variable_count; i++) {
+        const Variable *variable = &unit.variables[i];
+        if (!variable->quaternion || variable->causality == LOCAL || (variable->state && instance->mode & INITIALIZATION)) {
+            continue;
+        }
+        double q[4];
+        memcpy(q, instance->values + variable->offset, sizeof q);
+        double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+        if (!(length >= 0.5 && length <= 2.0)) {
+            return report(&instance->log, STATUS_ERROR,
+                          "%s has norm %g; allowed range: 0.5 to 2, since it stands for a unit quaternion", variable->name,
+                          length);
+        }
+    }
+    return unit.check(instance->values, &instance->log);
+}
+
+/* Memory that follows from the parameters; made when they have changed, never in a step. */
+static Status instance_prepare(Instance *instance)
+{
+    if (!unit.workspace_size || !instance->unprepared) {
+        return STATUS_OK;
+    }
+    size_t size = unit.workspace_size(instance->values);
+    if (size != instance->workspace_size) {
+        free(instance->workspace);
+        instance->workspace_size = 0;
+        instance->workspace = malloc(size);
+        if (!instance->workspace) {
+            return report(&instance->log, STATUS_ERROR, "out of memory: %zu bytes", size);
+        }
+        instance->workspace_size = size;
+    }
+    unit.prepare(instance->values, instance->workspace);
+    instance->unprepared = false;
+    return STATUS_OK;
+}
+
+/* Brings the given groups up to date. */
+static Status instance_refresh(Instance *instance, uint32_t groups)
+{
+    if (instance->unchecked) {
+        Status status = check_values(instance);
+        if (status == STATUS_OK) {
+            status = instance_prepare(instance);
+        }
+        if (status != STATUS_OK) {
+            return status;
+        }
+        if (instance->mode == INITIALIZATION) {
+            unit.initialize(instance->values);
+        }
+        instance->unchecked = false;
+    }
+    uint32_t due = groups & instance->stale;
+    for (size_t group = 0; due && group < unit.group_count; group++) {
+        if (due & (1U << group)) {
+            unit.evaluate[group](instance->values, instance->workspace);
+        }
+    }
+    instance->stale &= ~groups;
+    return STATUS_OK;
+}
+
+static Status instance_exit_initialization(Instance *instance, const char *call)
+{
+    Status status = instance_allows(instance, call, INITIALIZATION);
+    if (status == STATUS_OK) {
+        status = instance_refresh(instance, 0);
+    }
+    if (status == STATUS_OK) {
+        bool events_first = instance->kind == MODEL_EXCHANGE || instance->event_mode_used;
+        instance->mode = events_first ? EVENT : STEP;
+    }
+    return status;
+}

@@ -1,0 +1,155 @@
+/* Saved states: one block of memory without pointers, so that every operation is a copy. */
+#include "instance.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { SAVED_STATE_VERSION = 1 };
+
+struct SavedState {
+    char magic[8];
+    uint64_t version;
+    uint64_t size;     /* of all, bytes */
+    uint64_t token;    /* checksum of the instantiation token: the unit and its build */
+    uint64_t checksum; /* of all that follows */
+    uint64_t kind;
+    uint64_t mode;
+    double start_time, stop_time, last_time;
+    char values[];
+};
+
+static const char saved_state_magic[8] = {'U', 'l', 'n', 'a', 'S', 't', 'a', 't'};
+
+/* FNV-1a, 64 bits */
+static uint64_t checksum_of(const void *bytes, size_t size)
+{
+    const unsigned char *next = bytes;
+    uint64_t sum = 14695981039346656037ULL;
+    for (size_t i = 0; i < size; i++) {
+        sum = (sum ^ next[i]) * 1099511628211ULL;
+    }
+    return sum;
+}
+
+static size_t instance_saved_size(void)
+{
+    return sizeof(SavedState) + unit.size;
+}
+
+static uint64_t content_checksum(const SavedState *saved)
+{
+    size_t head = offsetof(SavedState, kind);
+    return checksum_of((const char *)saved + head, instance_saved_size() - head);
+}
+
+static Status instance_save(Instance *instance, SavedState **saved)
+{
+    SavedState *state = *saved ? *saved : calloc(1, instance_saved_size());
+    if (!state) {
+        return report(&instance->log, STATUS_ERROR, "out of memory: %zu bytes for a state", instance_saved_size());
+    }
+    memcpy(state->magic, saved_state_magic, sizeof state->magic);
+    state->version = SAVED_STATE_VERSION;
+    state->size = instance_saved_size();
+    state->token = checksum_of(unit.token, strlen(unit.token));
+    state->kind = (uint64_t)instance->kind;
+    state->mode = (uint64_t)instance->mode;
+    state->start_time = instance->start_time;
+    state->stop_time = instance->stop_time;
+    state->last_time = instance->last_time;
+    memcpy(state->values, instance->values, unit.size);
+    *saved = state;
+    return STATUS_OK;
+}
+
+static Status refuse_state(Instance *instance, const char *reason)
+{
+    return report(&instance->log, STATUS_ERROR, "the state is refused: %s", reason);
+}
+
+static Status check_state(Instance *instance, const SavedState *saved)
+{
+    if (memcmp(saved->magic, saved_state_magic, sizeof saved->magic) != 0) {
+        return refuse_state(instance, "it is not a saved state of an Ulna unit");
+    }
+    if (saved->version != SAVED_STATE_VERSION) {
+        return refuse_state(instance, "its version is another");
+    }
+    if (saved->token != checksum_of(unit.token, strlen(unit.token)) || saved->size != instance_saved_size()) {
+        return refuse_state(instance, "it comes from another unit, or another build of this one");
+    }
+    if (saved->kind != (uint64_t)instance->kind) {
+        return refuse_state(instance, "it comes from an instance of the other kind (co-simulation, model exchange)");
+    }
+    return STATUS_OK;
+}
+
+static bool same_parameters(const char *a, const char *b)
+{
+    for (size_t i = 0; i < unit.variable_count; i++) {
+        const Variable *variable = &unit.variables[i];
+        bool parameter = variable->causality == PARAMETER || variable->causality == STRUCTURAL_PARAMETER;
+        if (parameter && memcmp(a + variable->offset, b + variable->offset, variable->count * element_size[variable->type])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static Status instance_restore(Instance *instance, const SavedState *saved)
+{
+    Status status = check_state(instance, saved);
+    if (status != STATUS_OK) {
+        return status;
+    }
+    instance->unprepared |= !same_parameters(instance->values, saved->values);
+    memcpy(instance->values, saved->values, unit.size);
+    instance->mode = (Mode)saved->mode;
+    instance->start_time = saved->start_time;
+    instance->stop_time = saved->stop_time;
+    instance->last_time = saved->last_time;
+    instance_touch(instance);
+    return STATUS_OK;
+}
+
+static Status instance_serialize(Instance *instance, const SavedState *saved, void *bytes, size_t size)
+{
+    if (size < instance_saved_size()) {
+        return report(&instance->log, STATUS_ERROR, "the array for a serialized state has %zu bytes; needed: %zu", size,
+                      instance_saved_size());
+    }
+    Status status = check_state(instance, saved);
+    if (status == STATUS_OK) {
+        SavedState head = *saved;
+        head.checksum = content_checksum(saved);
+        memcpy(bytes, saved, instance_saved_size());
+        memcpy(bytes, &head, sizeof head);
+    }
+    return status;
+}
+
+static Status instance_deserialize(Instance *instance, const void *bytes, size_t size, SavedState **saved)
+{
+    if (size != instance_saved_size()) {
+        return report(&instance->log, STATUS_ERROR, "the serialized state has %zu bytes; needed: %zu", size,
+                      instance_saved_size());
+    }
+    SavedState *state = malloc(size);
+    if (!state) {
+        return report(&instance->log, STATUS_ERROR, "out of memory: %zu bytes for a state", size);
+    }
+    memcpy(state, bytes, size);
+    Status status = check_state(instance, state);
+    if (status == STATUS_OK && state->checksum != content_checksum(state)) {
+        status = refuse_state(instance, "its checksum does not fit its content: it was damaged");
+    }
+    if (status != STATUS_OK) {
+        free(state);
+        return status;
+    }
+    if (*saved) {
+        free(*saved);
+    }
+    *saved = state;
+    return STATUS_OK;
+}

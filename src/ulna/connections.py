@@ -1,0 +1,119 @@
+"""What may be connected to what: ends, frames, and the checks on every connection."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from .description import Variable
+
+if TYPE_CHECKING:
+    from .scene import SceneUnit
+
+# Numbers connect within a kind, whatever their width.
+KINDS = {"Float32": "float", "Float64": "float", "Boolean": "Boolean", "Enumeration": "enumeration"}
+
+
+@dataclass(frozen=True)
+class End:
+    """A variable of a unit in a scene: what `ball.position` is."""
+
+    unit: "SceneUnit"
+    variable: Variable
+
+    @property
+    def name(self) -> str:
+        return f"{self.unit.name}.{self.variable.name}"
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        return self.unit.slave.shape(self.variable)
+
+    @property
+    def kind(self) -> str:
+        return KINDS.get(self.variable.type, "integer")
+
+    def __str__(self) -> str:
+        sizes = "".join(f"[{size}]" for size in self.shape)
+        return f"{self.name} ({self.variable.causality}, {self.variable.type}{sizes}, unit {self.variable.unit})"
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A terminal of a unit in a scene: variables that are connected together, by the names of its members."""
+
+    unit: "SceneUnit"
+    terminal: str
+    members: dict[str, End]
+
+    def __str__(self) -> str:
+        members = ", ".join(f"{name}: {end.variable.causality}" for name, end in self.members.items())
+        return f"{self.unit.name}.{self.terminal} (frame of {members})"
+
+
+@dataclass(frozen=True)
+class Connection:
+    """target = factor * source + offset."""
+
+    source: End
+    target: End
+    factor: float = 1.0
+    offset: float = 0.0
+
+    @property
+    def scaled(self) -> bool:
+        return (self.factor, self.offset) != (1.0, 0.0)
+
+    def __str__(self) -> str:
+        return f"{self.source.name} -> {self.target.name}"
+
+
+@dataclass(frozen=True)
+class Signal:
+    """An input that follows a function of time, in seconds."""
+
+    target: End
+    function: Callable[[float], Any]
+
+
+def connect_ends(source: End, target: End, factor: float | None, offset: float | None) -> Connection:
+    """The checked connection of two variables.
+
+    A factor converts: it is in the target's unit per unit of the source, so the units may then differ. Without one,
+    also with an offset, both ends must have the same unit: the same powers of the SI base units and the same scale.
+    Raises ValueError, with both ends in the message.
+    """
+    both = f"{source} to {target}"
+    if source.variable.causality != "output":
+        hint = "; connect them the other way round" if target.variable.causality == "output" else ""
+        raise ValueError(f"cannot connect {both}: the source is no output{hint}")
+    if target.variable.causality != "input":
+        raise ValueError(f"cannot connect {both}: the target is no input")
+    if source.kind != target.kind or source.variable.entries != target.variable.entries:
+        raise ValueError(f"cannot connect {both}: their types differ")
+    if source.shape != target.shape:
+        raise ValueError(f"cannot connect {both}: their sizes differ")
+    if factor is None and not source.variable.unit.matches(target.variable.unit):
+        raise ValueError(f"cannot connect {both}: their units differ; a factor would convert them")
+    if (factor, offset) != (None, None) and source.kind != "float":
+        raise ValueError(f"cannot connect {both}: a factor or an offset needs floating-point ends")
+    return Connection(source, target, 1.0 if factor is None else float(factor), float(offset or 0.0))
+
+
+def connect_frames(first: Frame, second: Frame) -> list[Connection]:
+    """Connects the members that both frames have, each from its output to its input, whichever side that is on.
+
+    Motion so goes one way and the wrench comes back. Members that only one side has are left as they are; a member
+    that both sides put out is a contradiction that no explicit connection can settle.
+    """
+    connections = []
+    for name in [name for name in first.members if name in second.members]:
+        ends = [first.members[name], second.members[name]]
+        outputs = [end for end in ends if end.variable.causality == "output"]
+        if len(outputs) == 2:
+            raise ValueError(f"cannot connect {first} to {second}: both put out {name}; one side must take it")
+        if len(outputs) == 1:
+            ends.sort(key=lambda end: end.variable.causality != "output")
+            connections.append(connect_ends(*ends, None, None))
+    if not connections:
+        raise ValueError(f"cannot connect {first} to {second}: no member of one is an input of the other")
+    return connections

@@ -1,0 +1,156 @@
+"""The run of a coupling: its initial values, its steps, and the rows that are recorded."""
+
+import math
+import time as clock
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .connections import End, Signal
+from .coupling import Coupling
+from .ordering import Loop
+from .results import Results
+from .slave import UnitError
+
+INITIAL_PASSES = 100
+# A run counts as a whole number of steps if it misses it by less than this share: round-off is far below.
+WHOLE = 1e-9
+# How often a run reports its progress.
+REPORTS = 200
+
+
+@dataclass(frozen=True)
+class Grid:
+    """The times of a run, start + n * step to the bit, and the length of its last step."""
+
+    times: np.ndarray
+    step: float
+    last_step: float
+
+
+def time_grid(start: float, until: float, step: float) -> Grid:
+    """Times of the rows (s); if the step does not divide the time, the last one is shorter.
+
+    Raises ValueError for times that make no run.
+    """
+    if not (math.isfinite(start) and math.isfinite(until) and 0.0 < step < math.inf and until >= start):
+        raise ValueError(f"cannot run from {start} to {until} s in steps of {step} s")
+    ratio = (until - start) / step
+    if abs(ratio - round(ratio)) <= WHOLE * ratio:
+        return Grid(start + np.arange(round(ratio) + 1) * step, step, step)
+    times = start + np.arange(math.floor(ratio) + 1) * step
+    return Grid(np.append(times, until), step, until - float(times[-1]))
+
+
+def check_signal(signal: Signal, start: float) -> None:
+    """Raises ValueError if a signal does not return the shape of its input."""
+    shape = np.shape(signal.function(start))
+    if shape != signal.target.shape:
+        raise ValueError(f"the signal for {signal.target} returns values of shape {shape}")
+
+
+def settle(coupling: Coupling, start: float, algebraic: Sequence[Loop]) -> int:
+    """Passes outputs to inputs in initialization mode, in the order of the dependencies, until nothing changes.
+
+    Returns the number of passes: two without a loop, of which the second finds no change. Leaves initialization
+    mode, and reads the outputs once more. Warns, with the loops at fault, if the values do not settle.
+    """
+    stages = [coupling.stage([unit], step=False) for unit in coupling.order]
+    coupling.time.value = start
+    for passes in range(1, INITIAL_PASSES + 1):
+        before = coupling.snapshot()
+        for stage in stages:
+            coupling.run(stage, start)
+        if passes > 1 and coupling.snapshot() == before:
+            break
+    else:
+        loops = "; ".join(map(str, algebraic))
+        warnings.warn(f"the initial values do not settle in {INITIAL_PASSES} passes: {loops}", stacklevel=4)
+    for slave in coupling.slaves.values():
+        slave.exit_initialization()
+    coupling.run(coupling.reading(), start)
+    return passes
+
+
+def march(
+    coupling: Coupling,
+    advance: Callable[[float, float, float], None],
+    grid: Grid,
+    recorded: Sequence[End],
+    summary: dict[str, Any],
+    progress: Callable[[float], None] | None,
+) -> Results:
+    """Takes all steps and returns what was recorded; a UnitError carries the rows before it as its `results`."""
+    blocks = {dtype: np.empty((len(grid.times), values.size), dtype) for dtype, values in coupling.outputs.items()}
+    began = clock.perf_counter()
+
+    def collect(rows: int) -> Results:
+        wall_time = clock.perf_counter() - began
+        simulated = float(grid.times[rows - 1] - grid.times[0])
+        figures = {"steps": rows - 1, "wall_time": wall_time, "real_time_factor": simulated / wall_time}
+        return _results(coupling, recorded, grid.times[:rows], blocks, summary | figures)
+
+    row = 0
+    try:
+        for row in _steps(coupling, advance, grid, blocks):
+            if progress:
+                progress(float(grid.times[row]))
+    except UnitError as error:
+        # The failing step began at the time of the last row.
+        error.results = collect(1 + int(np.searchsorted(grid.times, coupling.time.value)))
+        raise
+    for slave in coupling.slaves.values():
+        slave.terminate()
+        if slave.end_requested:
+            summary["ended_by"] = slave.name
+    return collect(row + 1)
+
+
+def _steps(
+    coupling: Coupling,
+    advance: Callable[[float, float, float], None],
+    grid: Grid,
+    blocks: dict[np.dtype, np.ndarray],
+) -> Iterator[int]:
+    """Steps and writes the rows; yields the number of the latest row now and then, and of the last one."""
+    times = grid.times.tolist()
+    rows = [(blocks[dtype], values) for dtype, values in coupling.outputs.items()]
+    flags = [slave.end_requested for slave in coupling.slaves.values() if slave.version != "2.0"]
+    last = len(times) - 1
+    report = max(1, last // REPORTS)
+    for block, values in rows:
+        block[0] = values
+    yield 0
+    begin, step = times[0], grid.step
+    for row in range(1, last + 1):
+        if row == last:
+            step = grid.last_step
+        end = times[row]
+        advance(begin, step, end)
+        for block, values in rows:
+            block[row] = values
+        for flag in flags:
+            if flag.value:
+                yield row
+                return
+        if row % report == 0 or row == last:
+            yield row
+        begin = end
+
+
+def _results(
+    coupling: Coupling,
+    recorded: Sequence[End],
+    times: np.ndarray,
+    blocks: dict[np.dtype, np.ndarray],
+    summary: dict[str, Any],
+) -> Results:
+    columns = {}
+    for end in recorded:
+        dtype, start, stop = coupling.place(end)
+        values = blocks[dtype][: len(times), start:stop].reshape(len(times), *end.shape)
+        columns[end.name] = values.astype(bool) if end.variable.type == "Boolean" else values
+    return Results(times, columns, {end.name: end.variable.unit.name for end in recorded}, summary)

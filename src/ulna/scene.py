@@ -1,0 +1,210 @@
+"""A scene: units, what connects them, what is recorded; and its run."""
+
+from collections.abc import Callable
+from os import PathLike
+from typing import Any
+
+from .connections import Connection, End, Frame, Signal, connect_ends, connect_frames
+from .coupling import Coupling
+from .masters import MASTERS
+from .names import unknown
+from .ordering import Loop, find_loops, step_order
+from .results import Results
+from .running import check_signal, march, settle, time_grid
+from .slave import Slave
+
+SETTABLE = ("structuralParameter", "parameter", "input")
+
+
+class SceneUnit:
+    """A unit in a scene. `unit.NAME`, or unit["NAME"], is what can be connected: its frames, inputs and outputs."""
+
+    def __init__(self, slave: Slave):
+        self.slave = slave
+        self.name = slave.name
+        self._values: dict[str, Any] = {}
+        self._used = False
+
+    def set(self, name: str, value: Any) -> None:
+        """Sets a parameter, or the start value of an input, for all runs to come; errors as those of `Slave.set`."""
+        variable = self.slave.variable(name)
+        if variable.causality not in SETTABLE:
+            raise ValueError(f"{self.name}.{name} is {variable.causality}: only parameters and inputs can be set")
+        self.renew()
+        self.slave.set(name, value)
+        self._values[name] = value
+
+    def renew(self) -> None:
+        """Back to before initialization, with all that was set, if a run has used the unit."""
+        if not self._used:
+            return
+        self.slave.reset()
+        self._used = False
+        for name, value in self._values.items():
+            self.slave.set(name, value)
+
+    def initialize(self, start: float) -> None:
+        """Enters initialization mode, for a run."""
+        self.renew()
+        self._used = True
+        self.slave.enter_initialization(start)
+
+    def outputs(self) -> list[End]:
+        """All outputs that are numbers."""
+        variables = self.slave.description.variables.values()
+        return [
+            End(self, v) for v in variables if v.causality == "output" and v.type not in ("String", "Binary", "Clock")
+        ]
+
+    def __getitem__(self, name: str) -> End | Frame:
+        description = self.slave.description
+        if name in description.terminals:
+            members = description.terminals[name]
+            return Frame(self, name, {member: End(self, self.slave.variable(v)) for member, v in members.items()})
+        variable = description.variables.get(name)
+        if variable is None:
+            known = [v.name for v in description.variables.values() if v.causality in ("input", "output")]
+            raise KeyError(unknown(self.name, "input, output or frame", name, [*description.terminals, *known]))
+        if variable.causality in ("parameter", "structuralParameter"):
+            raise KeyError(f"{self.name}.{name} is a parameter, which is set, not connected")
+        return End(self, variable)
+
+    def __getattr__(self, name: str) -> End | Frame:
+        if name.startswith("_") or name == "slave":
+            raise AttributeError(name)
+        try:
+            return self[name]
+        except KeyError as error:
+            raise AttributeError(error.args[0]) from None
+
+    def __repr__(self) -> str:
+        return f"<unit {self.name}: {self.slave.description.name}>"
+
+
+class Scene:
+    """Units that are simulated together."""
+
+    def __init__(self, name: str = "scene"):
+        self.name = name
+        self.units: dict[str, SceneUnit] = {}
+        self.connections: list[Connection] = []
+        self.signals: list[Signal] = []
+        self._recorded: dict[End, None] = {}
+
+    def __enter__(self) -> "Scene":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Frees all units."""
+        for unit in self.units.values():
+            unit.slave.close()
+
+    def __getitem__(self, name: str) -> SceneUnit:
+        if name not in self.units:
+            raise KeyError(unknown(self.name, "unit", name, self.units))
+        return self.units[name]
+
+    def add(self, fmu: str | PathLike, name: str, /, *, version: str = "3.0", **values: Any) -> SceneUnit:
+        """Adds an instance of an FMU, by the unit's name or by a path, with values of its parameters and inputs.
+
+        Raises KeyError for a name that the unit does not have, ValueError and UnitError for values that do not fit.
+        """
+        if not name.isidentifier():
+            raise ValueError(f"{name!r} cannot name a unit: letters, digits and _ only, no digit first")
+        if name in self.units:
+            raise ValueError(f"{self.name} already has a unit {name!r}")
+        slave = Slave(fmu, name, version=version)
+        try:
+            unit = SceneUnit(slave)
+            structural_first = sorted(values, key=lambda v: slave.variable(v).causality != "structuralParameter")
+            for variable in structural_first:
+                unit.set(variable, values[variable])
+        except Exception:
+            slave.close()
+            raise
+        self.units[name] = unit
+        return unit
+
+    def connect(
+        self, source: End | Frame, target: End | Frame, factor: float | None = None, offset: float | None = None
+    ) -> None:
+        """Connects an output to an input, target = factor * source + offset, or two frames member by member.
+
+        A factor is in the target's unit per unit of the source, so it may join different units; an offset is in the
+        target's unit. Raises ValueError, naming both ends, if type, size, unit or direction do not fit, or if the
+        input is driven already.
+        """
+        if isinstance(source, Frame) and isinstance(target, Frame):
+            if (factor, offset) != (None, None):
+                raise ValueError(f"cannot connect {source} to {target} with a factor or an offset: these are frames")
+            connections = connect_frames(source, target)
+        elif isinstance(source, End) and isinstance(target, End):
+            connections = [connect_ends(source, target, factor, offset)]
+        else:
+            raise ValueError(f"cannot connect {source} to {target}: one is a frame, the other is not")
+        for connection in connections:
+            self._refuse_second(connection.target, f"connect {connection.source} to {connection.target}")
+        self.connections += connections
+
+    def signal(self, target: End, function: Callable[[float], Any]) -> None:
+        """Lets an input follow a function of time (s), which returns a number, or an array of the input's shape."""
+        if not isinstance(target, End) or target.variable.causality != "input":
+            raise ValueError(f"cannot drive {target} by a signal: it is no input")
+        self._refuse_second(target, f"drive {target} by a signal")
+        self.signals.append(Signal(target, function))
+
+    def _refuse_second(self, target: End, wish: str) -> None:
+        for connection in self.connections:
+            if connection.target == target:
+                raise ValueError(f"cannot {wish}: {connection.source} is connected to it already")
+        if any(signal.target == target for signal in self.signals):
+            raise ValueError(f"cannot {wish}: a signal drives it already")
+
+    def record(self, *what: SceneUnit | End | Frame) -> None:
+        """Chooses what is recorded: variables, or all outputs of a unit or a frame. Without a choice, all outputs."""
+        for item in what:
+            if isinstance(item, SceneUnit):
+                ends = item.outputs()
+            elif isinstance(item, Frame):
+                ends = [end for end in item.members.values() if end.variable.causality == "output"]
+            else:
+                ends = [item]
+            self._recorded.update(dict.fromkeys(ends))
+
+    def loops(self) -> list[Loop]:
+        """The loops of the connections, and where the master `gauss_seidel` opens them."""
+        return find_loops(list(self.units), self.connections)
+
+    def run(
+        self,
+        until: float,
+        step: float,
+        *,
+        start: float = 0.0,
+        master: str = "gauss_seidel",
+        progress: Callable[[float], None] | None = None,
+    ) -> Results:
+        """Simulates from `start` to `until` in steps of `step` (s); times are start + n * step, to the bit.
+
+        If `until` is no whole number of steps away, the last step is shorter. `progress` is called with the time
+        now and then. A unit that fails raises UnitError; its `results` hold the rows until then. A unit that asks
+        for the end of the simulation ends the run after that step. A scene can be run again, from its start.
+        """
+        if master not in MASTERS:
+            raise ValueError(unknown("ulna", "master", master, MASTERS))
+        grid = time_grid(start, until, step)
+        for signal in self.signals:
+            check_signal(signal, start)
+        for unit in self.units.values():
+            unit.initialize(start)
+        recorded = list(self._recorded) or [end for unit in self.units.values() for end in unit.outputs()]
+        slaves = {name: unit.slave for name, unit in self.units.items()}
+        order = step_order(list(self.units), self.connections)
+        coupling = Coupling(slaves, order, self.connections, self.signals, recorded)
+        loops = self.loops()
+        summary = {"scene": self.name, "master": master, "step": step, "loops": [str(loop) for loop in loops]}
+        summary["initial_passes"] = settle(coupling, start, [loop for loop in loops if loop.algebraic])
+        return march(coupling, MASTERS[master](coupling), grid, recorded, summary, progress)
