@@ -1,4 +1,5 @@
 # make demo and make test do all of their set-up themselves, in .venv and build.
+MAKEFLAGS += --no-print-directory
 PYTHON ?= python3
 BIN := .venv/bin
 JOBS := $(shell nproc 2>/dev/null || echo 2)

@@ -90,8 +90,7 @@ static Echo specular_plane(const UltrasonicSensor *sensor, const Surroundings *a
 {
     const Transceiver *pair = &around->pair;
     Path path = plane_path(pair, around->plane_point, around->plane_normal, sensor->speed_of_sound);
-    bool both_in_front = path.first > 0.0 && path.second > 0.0;
-    return both_in_front ? echo_of_path(sensor, pair, path, plane_curvature()) : silence;
+    return echo_of_path(sensor, pair, path, plane_curvature());
 }
 
 /* On the axis of the capsule the centre of the touching ball is nearest to where the normal aims. */
@@ -205,7 +204,8 @@ static Rung ultrasonic_sensor_rung(int64_t fidelity)
     return (Rung){specular_plane, specular_target};
 }
 
-/* The earlier of two echoes; one from the blind zone or after the time-out does not count. */
+/* The earlier of two echoes; one from the blind zone or after the time-out does not count. A plane
+ * between transmitter and receiver gives c t < b, which is in the blind zone. */
 static Echo earlier(const UltrasonicSensor *sensor, Echo best, Echo other)
 {
     double nearest = time_of_distance(sensor->minimum_range, sensor->speed_of_sound, sensor->baseline);

@@ -20,7 +20,8 @@
  *                                                   caller moves `time`
  *   where unit.toml says `events = true`
  *     double sensor_next_event(const Sensor *)      time of the next event, INFINITY for none
- *     void sensor_event(Sensor *)                   handles the event at `time`
+ *     void sensor_event(Sensor *)                   handles the event that is due, so that the next one is
+ *                                                   another; `time` may miss its time by a rounding
  *   where unit.toml names a `workspace`: memory that follows from the parameters alone, and is
  *   therefore no part of a saved state; groups and streams then take it as a second argument
  *     size_t skin_workspace_size(const Skin *)

@@ -68,6 +68,8 @@ UNHEARD = {
     "plane behind and facing away": {"plane_point": [-1.0, 0.0, 0.0], "plane_normal": [-1.0, 0.0, 0.0]},
     "plane facing away": {"plane_point": [1.0, 0.0, 0.0], "plane_normal": [1.0, 0.0, 0.0]},
     "sphere around the sensor": {"sphere_center": [0.1, 0.0, 0.0], "sphere_radius": 1.0},
+    "sphere around the sensor, centre behind": {"sphere_center": [-0.1, 0.0, 0.0], "sphere_radius": 1.0},
+    "plane between transmitter and receiver": {"plane_point": [0.0, -0.005, 0.0], "plane_normal": [-0.3, 1.0, 0.0]},
     "capsule around the sensor": {"capsule_2_start": [0, 0, 0], "capsule_2_end": [1, 0, 0], "capsule_2_radius": 0.1},
     "in the blind zone": {"plane_point": [0.0199, 0.0, 0.0], "plane_normal": [-1.0, 0.0, 0.0]},
     "after the time-out": {"plane_point": [4.0001, 0.0, 0.0], "plane_normal": [-1.0, 0.0, 0.0]},
