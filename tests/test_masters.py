@@ -6,8 +6,8 @@ import tracemalloc
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from toy_fmu import toy
 
+from toy_fmu import toy
 from ulna.masters import MASTERS
 from ulna.scene import Scene
 

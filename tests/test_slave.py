@@ -9,8 +9,8 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
-from toy_fmu import toy
 
+from toy_fmu import toy
 from ulna.description import read_description
 from ulna.slave import Slave, UnitError
 
@@ -116,7 +116,7 @@ def test_values_that_do_not_fit_are_refused(slave, name, value, message):
 
 
 def test_a_wrong_name_gets_the_nearest_right_one(slave):
-    with pytest.raises(KeyError, match="toy has no variable 'gian': did you mean gain?"):
+    with pytest.raises(KeyError, match=r"toy has no variable 'gian': did you mean gain\?"):
         slave.set("gian", 1.0)
 
 
@@ -216,7 +216,7 @@ def test_the_extracted_files_go_when_the_process_ends():
 
 
 def test_an_fmu_that_is_not_there_is_reported_by_name():
-    with pytest.raises(FileNotFoundError, match="Nowhere.fmu"):
+    with pytest.raises(FileNotFoundError, match=r"Nowhere\.fmu"):
         Slave("Nowhere.fmu")
     with pytest.raises(FileNotFoundError, match="RigidBody"):
         Slave("RigidBdy")

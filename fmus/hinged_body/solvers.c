@@ -8,31 +8,32 @@
 #include <math.h>
 
 typedef struct Swing {
-    double angle, rate;
+    real angle, rate;
 } Swing;
 
 /* The integral of a velocity whose acceleration is linear in time. */
-static Vector displacement(Vector velocity, Vector acceleration, Vector acceleration_rate, double elapsed)
+static Vector displacement(Vector velocity, Vector acceleration, Vector acceleration_rate, real elapsed)
 {
     Vector mean = add_scaled(add_scaled(velocity, elapsed / 2.0, acceleration), elapsed * elapsed / 6.0,
                              acceleration_rate);
     return scale(elapsed, mean);
 }
 
-static Vector later_velocity(Vector velocity, Vector acceleration, Vector acceleration_rate, double elapsed)
+static Vector later_velocity(Vector velocity, Vector acceleration, Vector acceleration_rate, real elapsed)
 {
     return add_scaled(add_scaled(velocity, elapsed, acceleration), elapsed * elapsed / 2.0, acceleration_rate);
 }
 
-/* The rotation by the vector `turn`: its length in rad, about its direction. */
+/* The rotation by the vector `turn`: its length in rad, about its direction. The tiny summand is below
+ * any rounding, and gives no turn at all its limit without a branch. */
 static Quaternion rotation_by(Vector turn)
 {
-    double angle = norm(turn);
-    return angle > 0.0 ? rotation_about(scale(1.0 / angle, turn), angle) : quaternion(1.0, 0.0, 0.0, 0.0);
+    real angle = sqrt(dot(turn, turn) + 1e-300);
+    return rotation_about(scale(1.0 / angle, turn), angle);
 }
 
 /* The inputs `elapsed` seconds after the start of the communication step. */
-static HingedBody hinged_body_at(const HingedBody *body, double elapsed, Swing swing)
+static HingedBody hinged_body_at(const HingedBody *body, real elapsed, Swing swing)
 {
     HingedBody later = *body;
     later.angle = swing.angle;
@@ -53,7 +54,7 @@ static HingedBody hinged_body_at(const HingedBody *body, double elapsed, Swing s
 }
 
 /* The slopes of angle and rate. */
-static Swing swing_slope(const HingedBody *body, double elapsed, Swing swing)
+static Swing swing_slope(const HingedBody *body, real elapsed, Swing swing)
 {
     HingedBody now = hinged_body_at(body, elapsed, swing);
     hinged_body_derivatives(&now);
@@ -61,40 +62,40 @@ static Swing swing_slope(const HingedBody *body, double elapsed, Swing swing)
     return slope;
 }
 
-static Swing add_scaled_swing(Swing a, double factor, Swing b)
+static Swing add_scaled_swing(Swing a, real factor, Swing b)
 {
     Swing sum = {a.angle + factor * b.angle, a.rate + factor * b.rate};
     return sum;
 }
 
-static Swing explicit_euler_step(const HingedBody *body, Swing swing, double elapsed, double h)
+static Swing explicit_euler_step(const HingedBody *body, Swing swing, real elapsed, real h)
 {
     return add_scaled_swing(swing, h, swing_slope(body, elapsed, swing));
 }
 
 /* Symplectic where nothing damps and the anchor rests. */
-static Swing semi_implicit_euler_step(const HingedBody *body, Swing swing, double elapsed, double h)
+static Swing semi_implicit_euler_step(const HingedBody *body, Swing swing, real elapsed, real h)
 {
     swing.rate += h * swing_slope(body, elapsed, swing).rate;
     swing.angle += h * swing.rate;
     return swing;
 }
 
-static Swing rk4_step(const HingedBody *body, Swing swing, double elapsed, double h)
+static Swing rk4_step(const HingedBody *body, Swing swing, real elapsed, real h)
 {
     static const double at[4] = {0.0, 0.5, 0.5, 1.0};
     static const double weight[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
     Swing next = swing;
     Swing slope = {0.0, 0.0};
     for (int stage = 0; stage < 4; stage++) {
-        double reach = at[stage] * h;
+        real reach = at[stage] * h;
         slope = swing_slope(body, elapsed + reach, add_scaled_swing(swing, reach, slope));
         next = add_scaled_swing(next, weight[stage] * h, slope);
     }
     return next;
 }
 
-typedef Swing (*HingedBodySolver)(const HingedBody *body, Swing swing, double elapsed, double h);
+typedef Swing (*HingedBodySolver)(const HingedBody *body, Swing swing, real elapsed, real h);
 
 static HingedBodySolver hinged_body_solver(int64_t solver)
 {

@@ -27,7 +27,7 @@ static LinearLoads rigid_body_linear_loads(const RigidBody *body)
     return loads;
 }
 
-static Loads loads_at(const LinearLoads *loads, double elapsed)
+static Loads loads_at(const LinearLoads *loads, real elapsed)
 {
     Loads now;
     now.force = add_scaled(loads->start.force, elapsed, loads->slope.force);
@@ -38,13 +38,13 @@ static Loads loads_at(const LinearLoads *loads, double elapsed)
 }
 
 /* Turns from q with the constant angular velocity w, to first order, back to the unit sphere. */
-static Quaternion turned(Quaternion q, double h, Vector w)
+static Quaternion turned(Quaternion q, real h, Vector w)
 {
     return normalized(add_scaled_quaternion(q, h, quaternion_rate(q, w)));
 }
 
 /* Everything from the old state. */
-static Motion explicit_euler_step(const RigidBody *body, const LinearLoads *loads, Motion m, double elapsed, double h)
+static Motion explicit_euler_step(const RigidBody *body, const LinearLoads *loads, Motion m, real elapsed, real h)
 {
     Rotation attitude = rotation(m.orientation);
     Wrench total = rigid_body_wrench(body, loads_at(loads, elapsed), attitude);
@@ -59,7 +59,7 @@ static Motion explicit_euler_step(const RigidBody *body, const LinearLoads *load
 
 /* The class notes: velocities from the new momenta, w1 = I_world(q0)^-1 L1, position and
  * orientation from the new velocities. Symplectic in translation, not in rotation. */
-static Motion notes_step(const RigidBody *body, const LinearLoads *loads, Motion m, double elapsed, double h)
+static Motion notes_step(const RigidBody *body, const LinearLoads *loads, Motion m, real elapsed, real h)
 {
     Rotation attitude = rotation(m.orientation);
     Wrench total = rigid_body_wrench(body, loads_at(loads, elapsed), attitude);
@@ -98,7 +98,7 @@ static Slope rk4_slope(const RigidBody *body, Loads loads, Vector linear_momentu
 
 /* Runge-Kutta on x, P, q and the body rate, which costs fewer digits than q and L; L itself is
  * the integral of the stages' torques, so that without torque it does not change at all. */
-static Motion rk4_step(const RigidBody *body, const LinearLoads *loads, Motion m, double elapsed, double h)
+static Motion rk4_step(const RigidBody *body, const LinearLoads *loads, Motion m, real elapsed, real h)
 {
     static const double at[4] = {0.0, 0.5, 0.5, 1.0};
     static const double weight[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
@@ -106,7 +106,7 @@ static Motion rk4_step(const RigidBody *body, const LinearLoads *loads, Motion m
     Motion next = m;
     Slope k = {0};
     for (int stage = 0; stage < 4; stage++) {
-        double reach = at[stage] * h, share = weight[stage] * h;
+        real reach = at[stage] * h, share = weight[stage] * h;
         k = rk4_slope(body, loads_at(loads, elapsed + reach), add_scaled(m.linear_momentum, reach, k.force),
                       add_scaled_quaternion(m.orientation, reach, k.orientation_rate),
                       add_scaled(body_rate, reach, k.body_angular_acceleration));
@@ -119,7 +119,7 @@ static Motion rk4_step(const RigidBody *body, const LinearLoads *loads, Motion m
     return next;
 }
 
-typedef Motion (*RigidBodySolver)(const RigidBody *body, const LinearLoads *loads, Motion motion, double elapsed, double h);
+typedef Motion (*RigidBodySolver)(const RigidBody *body, const LinearLoads *loads, Motion motion, real elapsed, real h);
 
 static RigidBodySolver rigid_body_solver(int64_t solver)
 {

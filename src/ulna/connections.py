@@ -22,17 +22,21 @@ class End:
 
     @property
     def name(self) -> str:
+        """Unit and variable, with a point between."""
         return f"{self.unit.name}.{self.variable.name}"
 
     @property
     def shape(self) -> tuple[int, ...]:
+        """Present shape of the variable; () for a scalar."""
         return self.unit.slave.shape(self.variable)
 
     @property
     def kind(self) -> str:
+        """What its values are, whatever their width: float, integer, Boolean or enumeration."""
         return KINDS.get(self.variable.type, "integer")
 
     def __str__(self) -> str:
+        """What messages say of it: name, causality, type, size and unit."""
         sizes = "".join(f"[{size}]" for size in self.shape)
         return f"{self.name} ({self.variable.causality}, {self.variable.type}{sizes}, unit {self.variable.unit})"
 
@@ -46,6 +50,7 @@ class Frame:
     members: dict[str, End]
 
     def __str__(self) -> str:
+        """What messages say of it: name, and the causality of each member."""
         members = ", ".join(f"{name}: {end.variable.causality}" for name, end in self.members.items())
         return f"{self.unit.name}.{self.terminal} (frame of {members})"
 
@@ -61,9 +66,11 @@ class Connection:
 
     @property
     def scaled(self) -> bool:
+        """Whether the value changes on the way."""
         return (self.factor, self.offset) != (1.0, 0.0)
 
     def __str__(self) -> str:
+        """`a.position -> b.position`."""
         return f"{self.source.name} -> {self.target.name}"
 
 

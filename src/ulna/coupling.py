@@ -49,6 +49,7 @@ class Coupling:
         signals: Sequence[Signal],
         recorded: Iterable[End],
     ):
+        """Lays out the buffers: `recorded` and all sources are read after a step, all targets are written before it."""
         self.slaves = slaves
         self.units = list(slaves)
         self.order = list(order)
@@ -80,15 +81,15 @@ class Coupling:
         for name in units:
             stage.signals += self._signals[name]
             stage.transfers += self._transfers[name]
-        stage.calls += [_call(port, self.slaves[name]) for name in units for port in self._setters[name]]
+        stage.calls += [_call(port) for name in units for port in self._setters[name]]
         if step:
             stage.calls += [self._step_call(self.slaves[name]) for name in units]
-        stage.calls += [_call(port, self.slaves[name]) for name in units for port in self._getters[name]]
+        stage.calls += [_call(port) for name in units for port in self._getters[name]]
         return stage
 
     def reading(self) -> Stage:
         """Reads the outputs of all units."""
-        return Stage(calls=[_call(port, self.slaves[name]) for name in self.units for port in self._getters[name]])
+        return Stage(calls=[_call(port) for name in self.units for port in self._getters[name]])
 
     def snapshot(self) -> list[bytes]:
         """All values that are exchanged, for a comparison to the bit."""
@@ -190,5 +191,5 @@ def _view(arrays: dict[np.dtype, np.ndarray], place: Place) -> np.ndarray:
     return arrays[dtype][start:stop]
 
 
-def _call(port: Port, slave: Slave) -> Call:
-    return port.function, port.arguments, slave, port.name
+def _call(port: Port) -> Call:
+    return port.function, port.arguments, port.slave, port.name

@@ -55,6 +55,7 @@ class PhysicalUnit:
     offset: float = 0.0
 
     def __str__(self) -> str:
+        """Its name, as the FMU writes it."""
         return self.name
 
     def matches(self, other: "PhysicalUnit") -> bool:

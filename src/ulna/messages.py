@@ -22,16 +22,19 @@ class Messages:
     """What one instance logged: the latest messages, and the errors that no exception has reported yet."""
 
     def __init__(self) -> None:
+        """Nothing logged yet."""
         self.latest: deque[tuple[str, str, str]] = deque(maxlen=MESSAGES_KEPT)
         self._errors: deque[str] = deque(maxlen=MESSAGES_KEPT)
 
     def add(self, _environment: int | None, status: int, category: bytes | None, message: bytes | None) -> None:
+        """Takes a message, as the logger of FMI 3 passes it."""
         text = (message or b"").decode("utf-8", "replace").strip()
         self.latest.append((STATUS_NAMES[status], (category or b"").decode("utf-8", "replace"), text))
         if status > WARNING:
             self._errors.append(text)
 
     def take_errors(self) -> str:
+        """What was logged with the status discard or worse since the last call."""
         text = "; ".join(self._errors)
         self._errors.clear()
         return text

@@ -23,6 +23,7 @@ class Loop:
     """The inputs through which the loop closes without any state in between: its values settle only by iteration."""
 
     def __str__(self) -> str:
+        """What reports say of it."""
         kind = f"algebraic, through {', '.join(self.algebraic)}" if self.algebraic else "through states"
         return f"{', '.join(self.units)}: broken at {', '.join(self.broken)} ({kind})"
 

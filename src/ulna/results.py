@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,7 @@ class Results:
     """Of the run: master, step, number of steps, wall_time (s), real_time_factor, loops, ended_by."""
 
     def __getitem__(self, name: str) -> np.ndarray:
+        """A column, or `time`; raises KeyError with the nearest right names."""
         if name == "time":
             return self.time
         try:
@@ -37,12 +39,15 @@ class Results:
             raise KeyError(unknown("the recording", "column", name, self.columns)) from None
 
     def __contains__(self, name: str) -> bool:
+        """Whether a variable was recorded."""
         return name in self.columns
 
     def __len__(self) -> int:
+        """Number of rows."""
         return len(self.time)
 
     def __iter__(self) -> Iterator[str]:
+        """Names of the columns."""
         return iter(self.columns)
 
     def to_csv(self, path: str | PathLike) -> None:
@@ -53,7 +58,7 @@ class Results:
                 position = f"[{','.join(str(number + 1) for number in index)}]" if index else ""
                 header.append(f"{name}{position} [{self.units[name]}]")
                 table.append(values[(slice(None), *index)])
-        with open(path, "w", newline="", encoding="utf-8") as file:
+        with Path(path).open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(header)
             writer.writerows(zip(*(column.tolist() for column in table), strict=True))
@@ -61,7 +66,7 @@ class Results:
     @classmethod
     def from_csv(cls, path: str | PathLike) -> "Results":
         """Reads what `to_csv` wrote; the summary is not part of it."""
-        with open(path, newline="", encoding="utf-8") as file:
+        with Path(path).open(newline="", encoding="utf-8") as file:
             header, *rows = csv.reader(file)
         parts: dict[str, dict[tuple[int, ...], np.ndarray]] = {}
         units = {}

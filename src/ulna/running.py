@@ -52,27 +52,35 @@ def check_signal(signal: Signal, start: float) -> None:
         raise ValueError(f"the signal for {signal.target} returns values of shape {shape}")
 
 
-def settle(coupling: Coupling, start: float, algebraic: Sequence[Loop]) -> int:
-    """Passes outputs to inputs in initialization mode, in the order of the dependencies, until nothing changes.
+def settle(coupling: Coupling, start: float, algebraic: Sequence[Loop]) -> int | None:
+    """Passes outputs to inputs in initialization mode until nothing changes, then leaves that mode.
 
-    Returns the number of passes: two without a loop, of which the second finds no change. Leaves initialization
-    mode, and reads the outputs once more. Warns, with the loops at fault, if the values do not settle.
+    Returns the number of passes: at most two without a loop, of which the second finds no change. Warns, with the
+    loops at fault, and returns None if the values do not settle.
     """
-    stages = [coupling.stage([unit], step=False) for unit in coupling.order]
     coupling.time.value = start
-    for passes in range(1, INITIAL_PASSES + 1):
-        before = coupling.snapshot()
-        for stage in stages:
-            coupling.run(stage, start)
-        if passes > 1 and coupling.snapshot() == before:
-            break
-    else:
+    # Where a loop is opened, the first pass takes what the unit puts out for the start values of its own inputs.
+    coupling.run(coupling.reading(), start)
+    passes = _settled_after(coupling, start)
+    if passes is None:
         loops = "; ".join(map(str, algebraic))
         warnings.warn(f"the initial values do not settle in {INITIAL_PASSES} passes: {loops}", stacklevel=4)
     for slave in coupling.slaves.values():
         slave.exit_initialization()
     coupling.run(coupling.reading(), start)
     return passes
+
+
+def _settled_after(coupling: Coupling, start: float) -> int | None:
+    """Number of passes, in the order of the dependencies, until one changes nothing."""
+    stages = [coupling.stage([unit], step=False) for unit in coupling.order]
+    for passes in range(1, INITIAL_PASSES + 1):
+        before = coupling.snapshot()
+        for stage in stages:
+            coupling.run(stage, start)
+        if coupling.snapshot() == before:
+            return passes
+    return None
 
 
 def march(
@@ -103,6 +111,7 @@ def march(
         error.results = collect(1 + int(np.searchsorted(grid.times, coupling.time.value)))
         raise
     for slave in coupling.slaves.values():
+        slave.time = float(grid.times[row])
         slave.terminate()
         if slave.end_requested:
             summary["ended_by"] = slave.name

@@ -1,6 +1,7 @@
 """A scene: units, what connects them, what is recorded; and its run."""
 
 from collections.abc import Callable
+from copy import deepcopy
 from os import PathLike
 from typing import Any
 
@@ -20,6 +21,7 @@ class SceneUnit:
     """A unit in a scene. `unit.NAME`, or unit["NAME"], is what can be connected: its frames, inputs and outputs."""
 
     def __init__(self, slave: Slave):
+        """Takes a fresh instance."""
         self.slave = slave
         self.name = slave.name
         self._values: dict[str, Any] = {}
@@ -32,7 +34,7 @@ class SceneUnit:
             raise ValueError(f"{self.name}.{name} is {variable.causality}: only parameters and inputs can be set")
         self.renew()
         self.slave.set(name, value)
-        self._values[name] = value
+        self._values[name] = deepcopy(value)
 
     def renew(self) -> None:
         """Back to before initialization, with all that was set, if a run has used the unit."""
@@ -57,6 +59,7 @@ class SceneUnit:
         ]
 
     def __getitem__(self, name: str) -> End | Frame:
+        """What can be connected under a name, frames first; raises KeyError with the nearest right names."""
         description = self.slave.description
         if name in description.terminals:
             members = description.terminals[name]
@@ -70,6 +73,7 @@ class SceneUnit:
         return End(self, variable)
 
     def __getattr__(self, name: str) -> End | Frame:
+        """As `unit[name]`; raises AttributeError."""
         if name.startswith("_") or name == "slave":
             raise AttributeError(name)
         try:
@@ -78,6 +82,7 @@ class SceneUnit:
             raise AttributeError(error.args[0]) from None
 
     def __repr__(self) -> str:
+        """Its name and that of the FMU."""
         return f"<unit {self.name}: {self.slave.description.name}>"
 
 
@@ -85,6 +90,7 @@ class Scene:
     """Units that are simulated together."""
 
     def __init__(self, name: str = "scene"):
+        """An empty scene."""
         self.name = name
         self.units: dict[str, SceneUnit] = {}
         self.connections: list[Connection] = []
@@ -92,9 +98,11 @@ class Scene:
         self._recorded: dict[End, None] = {}
 
     def __enter__(self) -> "Scene":
+        """For `with`: the units are freed at its end."""
         return self
 
     def __exit__(self, *_: object) -> None:
+        """Frees all units."""
         self.close()
 
     def close(self) -> None:
@@ -103,6 +111,7 @@ class Scene:
             unit.slave.close()
 
     def __getitem__(self, name: str) -> SceneUnit:
+        """The unit of that name; raises KeyError with the nearest right names."""
         if name not in self.units:
             raise KeyError(unknown(self.name, "unit", name, self.units))
         return self.units[name]

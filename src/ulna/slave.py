@@ -29,6 +29,7 @@ class UnitError(RuntimeError):
     """A unit failed: its name, the time, the call, and what it logged. `results` holds what a run recorded before."""
 
     def __init__(self, unit: str, call: str, status: str, time: float, message: str):
+        """`status` is the word for what the call returned, `time` in seconds."""
         super().__init__(
             f"{unit} at t = {time:.9g} s: {call} returned {status}: {message or 'the unit gave no reason'}"
         )
@@ -40,7 +41,7 @@ class UnitError(RuntimeError):
         self.results = None
 
     def __reduce__(self) -> tuple:
-        # Without this a worker process could not send the error home.
+        """Lets a worker process send the error home."""
         return UnitError, (self.unit, self.call, self.status, self.time, self.message), {"results": self.results}
 
 
@@ -48,6 +49,7 @@ class Port:
     """One get or set of fixed variables of one type: calling it moves `values`, a contiguous array, in or out."""
 
     def __init__(self, slave: "Slave", verb: str, names: Sequence[str], values: np.ndarray | None = None):
+        """`verb` is Get or Set; raises ValueError for mixed types and for a buffer that does not fit."""
         variables = [slave.variable(name) for name in names]
         accesses = {slave.access(variable) for variable in variables}
         if len(accesses) != 1:
@@ -75,12 +77,13 @@ class Port:
             c_void_p(self.values.ctypes.data),
             *count,
         )
-        self._slave = slave
+        self.slave = slave
 
     def __call__(self) -> np.ndarray:
+        """Moves the values and returns them; raises UnitError if the unit refuses."""
         status = self.function(*self.arguments)
         if status > WARNING:
-            self._slave.fail(self.name, status)
+            self.slave.fail(self.name, status)
         return self.values
 
 
@@ -88,6 +91,7 @@ class Slave:
     """One instance of an FMU: `fmu` is a unit's name (then `version` chooses the build) or the path of any FMU."""
 
     def __init__(self, fmu: str | PathLike, name: str | None = None, *, version: str = "3.0"):
+        """Raises FileNotFoundError, ValueError for an FMU that cannot be co-simulated, UnitError if it refuses."""
         self.description: Description = read_description(_path_of(fmu, version))
         self.version = self.description.version
         self.name = name or self.description.name
@@ -124,12 +128,15 @@ class Slave:
             raise UnitError(self.name, "instantiate", "no instance", 0.0, self.messages.take_errors()) from error
 
     def __enter__(self) -> "Slave":
+        """For `with`: the instance is freed at its end."""
         return self
 
     def __exit__(self, *_: object) -> None:
+        """Frees the instance."""
         self.close()
 
     def __repr__(self) -> str:
+        """Its name, the FMU's and the version."""
         return f"<Slave {self.name}: {self.description.name}, FMI {self.version}>"
 
     # What the unit has
