@@ -1,7 +1,7 @@
 """A flat box spins about its middle axis, without torque or weight, and turns over and over (Dzhanibekov's effect).
 
 Spin about the longest and the shortest side is stable; about the middle one, the smallest disturbance grows until the
-box turns over. Energy and angular momentum stay as they are: here nothing else is loaded, so this shows the solver alone.
+box turns over. Energy and angular momentum stay as they are: nothing else is loaded, so this shows the solver alone.
 """
 
 from ulna import Scene

@@ -102,6 +102,7 @@ class Description:
     """Terminal -> member -> variable."""
     dependencies: dict[str, frozenset[str]]
     """Output -> the inputs that it depends on directly."""
+    log_categories: frozenset[str]
     saves_state: bool
     serializes_state: bool
 
@@ -146,6 +147,7 @@ def _extract(path: Path) -> Description:
         variables=variables,
         terminals=_terminals(folder, owner_by_name={e.name: n for n, g in groups.items() for e in g}),
         dependencies=_dependencies(model, owner, variables),
+        log_categories=frozenset(category.name for category in model.logCategories),
         saves_state=model.coSimulation.canGetAndSetFMUstate,
         serializes_state=model.coSimulation.canSerializeFMUstate,
     )

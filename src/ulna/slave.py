@@ -25,6 +25,10 @@ from .names import unknown
 _load_lock = Lock()
 
 
+# What is asked of a unit that sorts its messages so; all that it has of any other.
+CATEGORIES = ["logStatusError", "logStatusWarning"]
+
+
 class UnitError(RuntimeError):
     """A unit failed: its name, the time, the call, and what it logged. `results` holds what a run recorded before."""
 
@@ -126,6 +130,9 @@ class Slave:
                 self._fmu.instantiate(loggingOn=True, logMessage=self.messages.add)
         except Exception as error:
             raise UnitError(self.name, "instantiate", "no instance", 0.0, self.messages.take_errors()) from error
+        # a line of log for every event, formatted and brought to Python, costs more than the event
+        if set(CATEGORIES) <= self.description.log_categories:
+            self._call("setDebugLogging", True, CATEGORIES)
 
     def __enter__(self) -> "Slave":
         """For `with`: the instance is freed at its end."""

@@ -11,6 +11,7 @@ from types import ModuleType
 
 import fmpy
 import pytest
+
 import ulna
 
 CHECKOUT = Path(__file__).parents[2]
@@ -38,11 +39,11 @@ MOTION = {
         "initial_rate": -1.0,
         "damping": 0.5,
         "target_angle": 1.0,
-        "anchor_angular_velocity": (0.1, 0.2, 0.3),
+        "anchor_acceleration": (0.3, -0.2, 1.0),
         "tip_force": (0.5, 0.0, 2.0),
     },
     "ArmSkin": {"forearm_orientation": (0.8, 0.0, 0.6, 0.0), "forearm_position": (0.31, 0.0, 0.01)},
-    "UltrasonicSensor": {"plane_point": (1.5, 0.0, 0.0), "plane_normal": (-1.0, 0.1, 0.0), "period": 0.02},
+    "UltrasonicSensor": {"plane_point": (1.5, 0.0, 0.0), "plane_normal": (-1.0, 0.1, 0.0), "period": 1 / 64},
 }
 """Values of parameters and inputs that make every term of a unit count; another unit runs at its start values."""
 

@@ -1,0 +1,64 @@
+"""What all benchmarks share: units made ready, times taken side by side, and an independent integrator."""
+
+from collections.abc import Callable, Hashable, Mapping
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..slave import Slave
+
+Array = NDArray[np.float64]
+TOLERANCE = 3e-14  # the least that SciPy takes is 2.2e-14
+
+
+def started(unit: str, **values: Any) -> Slave:
+    """A unit with these parameters and inputs, initialized at 0 s."""
+    slave = Slave(unit)
+    for name, value in values.items():
+        slave.set(name, value)
+    slave.initialize()
+    return slave
+
+
+def choices(unit: str, parameter: str) -> list[str]:
+    """Entries of an enumeration, in the order in which the unit declares them."""
+    with Slave(unit) as slave:
+        return [entry for entry, _ in slave.variable(parameter).entries]
+
+
+def repeated_step(slave: Slave, duration: float) -> Callable[[], None]:
+    """A call that takes the same one step from the present state, each time anew."""
+    state = slave.save()
+
+    def step() -> None:
+        slave.restore(state)
+        slave.step(0.0, duration)
+
+    return step
+
+
+def side_by_side(calls: Mapping[Hashable, Callable[[], Any]], rounds: int) -> dict[Hashable, tuple[float, float]]:
+    """Median seconds of each call over the rounds, and the ratio to the cheapest.
+
+    Every round times every call once, so that a machine that changes its pace does so for all. One round before is not
+    counted.
+    """
+    times = np.empty((rounds + 1, len(calls)))
+    for row in times:
+        for place, call in enumerate(calls.values()):
+            start = perf_counter()
+            call()
+            row[place] = perf_counter() - start
+    medians = np.median(times[1:], axis=0)
+    return {name: (float(s), float(s / medians.min())) for name, s in zip(calls, medians, strict=True)}
+
+
+def integrated(slope: Callable[[float, Array], Any], first: Any, end: float) -> Array:
+    """State [n] at `end` s by SciPy's DOP853 at TOLERANCE; raises ModuleNotFoundError without SciPy."""
+    try:
+        from scipy.integrate import solve_ivp
+    except ModuleNotFoundError:
+        raise ModuleNotFoundError("the references need SciPy: pip install 'ulna[test]'") from None
+    return solve_ivp(slope, (0.0, end), first, method="DOP853", rtol=TOLERANCE, atol=0.01 * TOLERANCE).y[:, -1]

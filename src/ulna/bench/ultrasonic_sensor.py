@@ -1,0 +1,136 @@
+"""UltrasonicSensor: what a ping costs at each fidelity, how exact its distance is, and how far it hears."""
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+from .measuring import choices, repeated_step, side_by_side, started
+from .tables import Table
+
+PERIOD, PINGS = 0.01, 4000  # s; echoes from REACH come back within the period
+REACH, RADIUS = 0.5, 0.1  # m, from the sensor to the surface
+ASIDE = np.radians(8.0)
+DISTANCES = (0.02, 0.1, 1.0)  # m
+EXACT = {"resolution": 0.0, "threshold": -150.0, "minimum_range": 0.0}
+PING = 0.05  # s, longer than any flight
+LONGEST = 3.999  # m, just within the default time-out
+
+
+def direction(angle: float) -> np.ndarray:
+    """Off the sensor's axis by `angle` (rad), across its baseline, so that both ears are equally far."""
+    return np.array([np.cos(angle), 0.0, np.sin(angle)])
+
+
+def plane(distance: float, angle: float = 0.0) -> dict:
+    """A plane whose perpendicular from the sensor is `distance` long."""
+    return {"plane_point": distance * direction(angle), "plane_normal": -direction(angle)}
+
+
+def sphere(distance: float, angle: float = 0.0, radius: float = RADIUS) -> dict:
+    """A sphere whose surface is `distance` away."""
+    return {"sphere_center": (distance + radius) * direction(angle), "sphere_radius": radius}
+
+
+def capsule(distance: float, angle: float = 0.0, radius: float = RADIUS) -> dict:
+    """A capsule along the baseline, whose wall is `distance` away."""
+    center, half = (distance + radius) * direction(angle), np.array([0.0, 0.5, 0.0])
+    return {"capsule_1_start": center - half, "capsule_1_end": center + half, "capsule_1_radius": radius}
+
+
+TARGETS = {"plane": plane, "sphere": sphere, "capsule": capsule}
+
+
+def heard(fidelity: str, read: str, values: dict) -> float:
+    """An output after the first ping."""
+    with started("UltrasonicSensor", fidelity=fidelity, **values) as sensor:
+        sensor.step(0.0, PING)
+        return sensor.get(read)
+
+
+def speed_and_accuracy(fidelities: list[str], rounds: int) -> Table:
+    """Many pings in one step, for each kind of target."""
+    calls = {}
+    for fidelity in fidelities:
+        for target, placed in TARGETS.items():
+            sensor = started("UltrasonicSensor", fidelity=fidelity, period=PERIOD, **placed(REACH, ASIDE))
+            calls[fidelity, target] = repeated_step(sensor, PINGS * PERIOD)
+    cost = side_by_side(calls, rounds)
+    rows = []
+    for (fidelity, target), (seconds, ratio) in cost.items():
+        errors = [
+            abs(heard(fidelity, "distance", EXACT | TARGETS[target](REACH, angle)) - REACH) for angle in (0.0, ASIDE)
+        ]
+        rows.append((f"{fidelity}: {target}", seconds / PINGS * 1e9, ratio, *errors))
+    return Table(
+        "UltrasonicSensor: fidelities",
+        f"One doStep of {PINGS} pings, target {REACH:g} m away. Errors of the distance against the image source, the "
+        f"target straight ahead and {np.degrees(ASIDE):g} degrees aside (a plane: tilted).",
+        ("fidelity: target", "ns a ping", "ratio", "error ahead, m", "error aside, m"),
+        rows,
+    )
+
+
+def moving_targets(fidelities: list[str]) -> Table:
+    """Time of flight to a sphere that comes straight at the sensor."""
+    speed = heard("specular", "speed_of_sound", {})
+    rows = []
+    for fidelity in fidelities:
+        for approach in (0.0, 10.0, 50.0):
+            errors = []
+            for distance in DISTANCES:
+                values = sphere(distance) | {"sphere_velocity": [-approach, 0.0, 0.0], "baseline": 0.0}
+                # they meet after distance / (c + approach), and the way back is as long
+                expected = 2 * distance / (speed + approach)
+                errors.append(abs(heard(fidelity, "echo_width", EXACT | values) / expected - 1))
+            rows.append((f"{fidelity}: {approach:g} m/s", *errors))
+    return Table(
+        "UltrasonicSensor: time of flight to a sphere that approaches",
+        "Relative error against the closed form, by the distance at the emission; no baseline.",
+        ("fidelity: approach", *(f"{distance:g} m" for distance in DISTANCES)),
+        rows,
+    )
+
+
+def largest(audible: Callable[[float], bool], low: float, high: float) -> float:
+    """The largest value that is audible, to a thousandth; `high` if that is."""
+    if audible(high):
+        return high
+    while high - low > 1e-3 * low:
+        middle = (low + high) / 2
+        low, high = (middle, high) if audible(middle) else (low, middle)
+    return low
+
+
+def hearing() -> Table:
+    """Up to where the default sensor hears, by bisection."""
+
+    def is_heard(target: dict) -> bool:
+        return bool(heard("specular", "valid", target))
+
+    def reach(placed: Callable[[float], dict]) -> float:
+        return largest(lambda distance: is_heard(placed(distance)), 0.1, LONGEST)
+
+    def tilt(distance: float) -> float:
+        return largest(lambda degrees: is_heard(plane(distance, np.radians(degrees))), 1.0, 89.0)
+
+    rows = [
+        ("wall, facing", reach(plane), "m"),
+        ("wall at 1 m, tilted", tilt(1.0), "degrees"),
+        ("wall at 3 m, tilted", tilt(3.0), "degrees"),
+        *((f"ball, radius {radius:g} m", reach(partial(sphere, radius=radius)), "m") for radius in (0.05, 0.1, 0.2)),
+        ("forearm across, radius 0.04 m", reach(partial(capsule, radius=0.04)), "m"),
+        ("pole, radius 0.015 m", reach(partial(capsule, radius=0.015)), "m"),
+    ]
+    return Table(
+        "UltrasonicSensor: what is heard",
+        "specular, default threshold and air; from the sensor to the surface, or of the normal off the axis.",
+        ("target", "up to", "unit"),
+        rows,
+    )
+
+
+def bench(rounds: int) -> list[Table]:
+    """Time and errors of each fidelity, and what the default sensor hears."""
+    fidelities = choices("UltrasonicSensor", "fidelity")
+    return [speed_and_accuracy(fidelities, rounds), moving_targets(fidelities), hearing()]

@@ -1,0 +1,125 @@
+"""What is wrong in a unit.toml is refused, with a message that names the file, the variable and what is wrong."""
+
+import pytest
+from generated import declaration, each_unit
+
+from ulna.generate.declaration import DeclarationError, load
+
+GOOD = """
+name = "Toy"
+description = "A toy"
+kinds = ["co-simulation"]
+sources = ["unit.c"]
+
+[terminal]
+plug = "A frame"
+
+[enumeration.Mode]
+plain = "As it is"
+doubled = "Twice"
+
+[structural]
+count = { type = "UInt64", start = 4, min = 1, description = "How many" }
+
+[parameter]
+gain = { unit = "kg.m2", start = 2.0, min = 0.0, description = "Gain" }
+mode = { enumeration = "Mode", start = "doubled", description = "Mode" }
+
+[input]
+force = { unit = "N", size = 3, rate = true, terminal = "plug.force", description = "Force" }
+
+[output.position]
+unit = "m"
+size = 3
+state = true
+derivative_depends = ["force@"]
+description = "Position"
+
+[output.energy]
+unit = "J"
+depends = ["position", "force"]
+description = "Energy"
+
+[local.points]
+type = "Float32"
+size = [3, "count"]
+stream = true
+description = "Points"
+"""
+
+# What is changed in the good one, into what, and the words that the message must hold.
+WRONG = {
+    "unknown key": ('"Gain"', '"Gain", colour = "red"', r"parameter\.gain.*unknown key colour.*known:.*unit"),
+    "unknown type": ("start = 2.0", 'type = "Float16"', r"parameter\.gain.*Float16.*Float64"),
+    "unknown unit": ('"kg.m2"', '"lbf"', r"parameter\.gain.*lbf.*known:.*kg"),
+    "unit that is not SI": ('"N"', '"kN"', r"input\.force.*kN"),
+    "two slashes": ('"kg.m2"', '"m/s/s"', r"parameter\.gain.*more than one slash"),
+    "no description": ('description = "Gain"', 'description = ""', r"parameter\.gain.*description"),
+    "start of another length": (
+        "size = 3, rate",
+        "size = 3, start = [1.0, 2.0], rate",
+        r"input\.force.*2 values for 3",
+    ),
+    "unknown enumeration": ('enumeration = "Mode"', 'enumeration = "Mood"', r"parameter\.mode.*Mood"),
+    "unknown entry": ('start = "doubled"', 'start = "tripled"', r"parameter\.mode.*tripled"),
+    "dependency on a parameter": ('["position", "force"]', '["gain"]', r"energy.*'gain'.*no input and no state"),
+    "dependency on nothing": ('["force@"]', '["farce@"]', r"der\(position\).*'farce@'.*no input and no state"),
+    "dependency on itself": ('["position", "force"]', '["energy"]', r"energy.*'energy'.*no input and no state"),
+    "terminal that is not listed": ('"plug.force"', '"plog.force"', r"force.*plog"),
+    "size by what is no structural parameter": ('[3, "count"]', '[3, "gain"]', r"points.*gain.*structural parameter"),
+    "size by nothing": ('[3, "count"]', '[3, "cuont"]', r"points.*cuont.*structural parameter"),
+    "array sized by a structural parameter": ("stream = true\n", "", r"local\.points.*only a stream"),
+    "slope without a spelling": ('unit = "N", size', 'unit = "N/s", size', r"input\.force.*add it to the table"),
+}
+
+
+@pytest.fixture
+def loaded(tmp_path):
+    """`loaded(text)` reads a declaration from a file."""
+
+    def read(text):
+        path = tmp_path / "unit.toml"
+        path.write_text(text)
+        return load(path)
+
+    return read
+
+
+@pytest.mark.parametrize("mistake", WRONG)
+def test_a_wrong_declaration_is_refused_with_a_reason(loaded, tmp_path, mistake):
+    old, new, message = WRONG[mistake]
+    assert GOOD.count(old) == 1
+    with pytest.raises(DeclarationError, match=message) as refusal:
+        loaded(GOOD.replace(old, new))
+    assert str(tmp_path / "unit.toml") in str(refusal.value)
+
+
+def test_a_good_declaration_is_read_whole(loaded):
+    unit = loaded(GOOD)
+    names = ["time", "count", "gain", "mode", "force", "force_rate", "position", "der(position)", "energy", "points"]
+    assert [v.name for v in unit.variables] == names
+    assert [v.reference for v in unit.variables] == [0, 1, 2, 3, 4, 7, 10, 13, 16, 17]
+    assert unit.by_name("mode").start == (2,)
+    assert unit.by_name("force_rate").unit == "N/s"
+    assert unit.by_name("der(position)").unit == "m/s"
+    assert unit.by_name("der(position)").depends == ("force@",)
+    assert unit.by_name("points").fmi == (3,)
+    assert unit.groups == ["derivatives", "outputs"]
+    assert unit.by_name("force_rate").terminal == ("plug.force_rate",)
+
+
+@each_unit
+def test_value_references_count_the_scalars(name):
+    """So that one number finds an element in FMI 2 and its array in FMI 3."""
+    expected = 0
+    for variable in declaration(name).variables:
+        assert variable.reference == expected
+        expected += 1 if variable.stream else variable.count
+
+
+@each_unit
+def test_start_values_are_within_their_limits(name):
+    for v in declaration(name).variables:
+        for start in v.start or ():
+            assert v.min is None or start >= v.min, v.name
+            assert v.max is None or start <= v.max, v.name
