@@ -54,7 +54,7 @@ def test_the_wheel_carries_fmus_that_are_found_from_anywhere(checkout, tmp_path)
     assert carried == {f"ulna/fmus/{version}/RigidBody.fmu" for version in VERSIONS}
     shutil.rmtree(checkout)
     code = f"import sys; sys.path.insert(0, {str(tmp_path / 'installed')!r}); import ulna; print(ulna.fmu('RigidBody'))"
-    path = Path(run(sys.executable, "-I", "-c", code, cwd=tmp_path).strip())
+    path = Path(run(sys.executable, "-I", "-S", "-c", code, cwd=tmp_path).strip())
     assert path == tmp_path / "installed" / "ulna" / "fmus" / "3.0" / "RigidBody.fmu"
     assert path.is_file()
 

@@ -249,7 +249,7 @@ def directional_source(unit: Declaration) -> str:
     """`complex.c`: the unit's equations once more, on complex numbers, for its directional derivatives."""
     return "\n".join(
         [
-            f"/* {unit.name}: its equations on complex numbers, for directional derivatives; generated from unit.toml. */",
+            f"/* {unit.name}: its equations on complex numbers, for directional derivatives; generated. */",
             "#define real double _Complex",
             "#include <complex.h>",
             "#include <math.h>",

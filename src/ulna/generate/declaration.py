@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from .units import exponents, per_second
+from .validation import check_keys, check_variable, one_of, problems
 
 SECTIONS = {
     "structural": "structuralParameter",
@@ -15,7 +16,6 @@ SECTIONS = {
     "local": "local",
     "memory": "memory",
 }
-TYPES = ("Float64", "Float32", "Int32", "UInt64", "Boolean", "Enumeration")
 SET_FROM_OUTSIDE = {"structuralParameter", "parameter", "input"}
 
 
@@ -117,8 +117,10 @@ def _start(entry: dict, count: int, enumerations: dict[str, dict[str, str]]) -> 
         default = False if entry.get("type") == "Boolean" else 0.0
     start = entry.get("start", default)
     if "enumeration" in entry:
+        one_of("enumeration", entry["enumeration"], enumerations)
         entries = list(enumerations[entry["enumeration"]])
-        return (entries.index(start) + 1 if start else 1,)
+        one_of("entry", entry.get("start", entries[0]), entries)
+        return (entries.index(entry.get("start", entries[0])) + 1,)
     return tuple(start) if isinstance(start, list) else (start,) * count
 
 
@@ -126,13 +128,14 @@ def _variable(section: str, name: str, entry: dict, enumerations: dict[str, dict
     known = {f for f in Variable.__dataclass_fields__} | {"derivative_depends"}
     unknown = set(entry) - known
     if unknown:
-        raise DeclarationError(f"unknown key {', '.join(sorted(unknown))}; known: {', '.join(sorted(known))}")
+        raise ValueError(f"unknown key {', '.join(sorted(unknown))}; known: {', '.join(sorted(known))}")
+    for derived in ({"quaternion", "size"}, {"enumeration", "type"}):
+        if derived <= set(entry):
+            raise ValueError(f"{' and '.join(sorted(derived))} exclude each other")
     causality = SECTIONS[section]
     quaternion = entry.get("quaternion", False)
     size = (4,) if quaternion else _tuple(entry["size"]) if "size" in entry else ()
     kind = "Enumeration" if "enumeration" in entry else entry.get("type", "Float64")
-    if kind not in TYPES:
-        raise DeclarationError(f"type {kind!r} is none of {', '.join(TYPES)}")
     stream = entry.get("stream", False)
     computed = causality in ("output", "local") and not entry.get("state") and not stream
     group = entry.get("group", "outputs") if computed else None
@@ -159,16 +162,13 @@ def _variable(section: str, name: str, entry: dict, enumerations: dict[str, dict
         fmi=(3,) if stream else tuple(entry.get("fmi", (2, 3))),
     )
     exponents(variable.unit)
-    if not stream and any(isinstance(n, str) for n in size):
-        raise DeclarationError("only a stream may have a dimension that is a structural parameter")
-    if causality != "memory" and not variable.description:
-        raise DeclarationError("has no description")
-    if stream:
-        return variable
-    start = _start(entry, variable.count, enumerations)
-    if len(start) != variable.count:
-        raise DeclarationError(f"start has {len(start)} values for {variable.count} elements")
-    return _replace(variable, start=start)
+    if not stream:
+        start = _start(entry, variable.count, enumerations)
+        if len(start) != variable.count:
+            raise ValueError(f"start has {len(start)} values for {variable.count} elements")
+        variable = _replace(variable, start=start)
+    check_variable(variable)
+    return variable
 
 
 def _replace(variable: Variable, **changes: object) -> Variable:
@@ -210,8 +210,11 @@ def load(path: str | Path) -> Declaration:
     Raises DeclarationError, which names the file and the variable, when something does not fit.
     """
     path = Path(path)
-    with path.open("rb") as file:
-        raw = tomllib.load(file)
+    try:
+        raw = tomllib.loads(path.read_text(encoding="utf-8"))
+        check_keys(raw, SECTIONS)
+    except ValueError as error:
+        raise DeclarationError(f"{path}: {error}") from error
     enumerations = raw.get("enumeration", {})
     time = Variable(name="time", causality="independent", unit="s", start=(0.0,), description="Time")
     variables = [time]
@@ -219,7 +222,7 @@ def load(path: str | Path) -> Declaration:
         for name, entry in raw.get(section, {}).items():
             try:
                 variables += _with_companions(_variable(section, name, entry, enumerations), entry)
-            except (ValueError, KeyError) as error:
+            except ValueError as error:
                 raise DeclarationError(f"{path}: {section}.{name}: {error}") from error
     reference = 0
     numbered = []
@@ -240,21 +243,6 @@ def load(path: str | Path) -> Declaration:
         terminals=raw.get("terminal", {}),
         variables=tuple(numbered),
     )
-    _check(path, declaration)
+    for problem in problems(declaration):
+        raise DeclarationError(f"{path}: {problem}")
     return declaration
-
-
-def _check(path: Path, declaration: Declaration) -> None:
-    """Names that one variable uses of another must exist."""
-    names = {v.name: v for v in declaration.variables}
-    for variable in declaration.variables:
-        for used in variable.depends:
-            source = names.get(used.rstrip("@"))
-            if source is None or not (source.causality == "input" or source.state):
-                raise DeclarationError(f"{path}: {variable.name} depends on {used!r}, which is no input and no state")
-        for terminal in variable.terminal:
-            if terminal.split(".")[0] not in declaration.terminals:
-                raise DeclarationError(f"{path}: {variable.name} belongs to {terminal!r}, a terminal not listed")
-        for size in variable.size:
-            if isinstance(size, str) and names.get(size, variable).causality != "structuralParameter":
-                raise DeclarationError(f"{path}: {variable.name} has dimension {size!r}, no structural parameter")

@@ -27,10 +27,12 @@ def core_files(core: Path, version: int) -> list[Path]:
 
 
 def token(unit: Declaration, core: Path, version: int) -> str:
-    """The instantiation token: it changes when the declaration or any source does."""
+    """The instantiation token: it changes when the declaration, any source, or what is generated from them does."""
     digest = hashlib.sha256()
     for path in [unit.folder / "unit.toml", *unit_files(unit), *core_files(core, version)]:
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    for name, text in generated_sources(unit, version, "").items():
+        digest.update(name.encode() + b"\0" + text.encode() + b"\0")
     return "{" + str(uuid.UUID(bytes=digest.digest()[:16])) + "}"
 
 
