@@ -91,36 +91,36 @@ static Status check_arrays(Instance *instance, const char *call, const void *ref
     return count && (!references || !values) ? instance_refuse(instance, call, "an array is NULL") : STATUS_OK;
 }
 
-static Status check_settable(Instance *instance, const Variable *variable)
+/* The modes in which an importer may set a variable; none where the unit computes it. */
+static unsigned settable_modes(const Variable *variable)
 {
-    Log *log = &instance->log;
     switch ((Causality)variable->causality) {
-    case INPUT:
-        if (instance->mode & (INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS_TIME | STEP)) {
-            return STATUS_OK;
-        }
-        return report(log, STATUS_ERROR, "%s is an input: it cannot be set now", variable->name);
-    case PARAMETER:
-        if (instance->mode & (INSTANTIATED | INITIALIZATION)) {
-            return STATUS_OK;
-        }
-        if (variable->variability == TUNABLE && instance->mode & (EVENT | STEP)) {
-            return STATUS_OK;
-        }
-        return report(log, STATUS_ERROR, "%s is a %s parameter: it cannot be set after initialization", variable->name,
-                      variable->variability == TUNABLE ? "tunable" : "fixed");
-    case STRUCTURAL_PARAMETER:
-        if (instance->mode & CONFIGURATION) {
-            return STATUS_OK;
-        }
-        return report(log, STATUS_ERROR, "%s is a structural parameter: it can be set in Configuration Mode only",
-                      variable->name);
+    case STRUCTURAL_PARAMETER: return CONFIGURATION;
+    case PARAMETER: return INSTANTIATED | INITIALIZATION | (variable->variability == TUNABLE ? EVENT | STEP : 0U);
+    case INPUT: return INSTANTIATED | INITIALIZATION | EVENT | CONTINUOUS_TIME | STEP;
     case INDEPENDENT:
     case OUTPUT:
     case LOCAL:
     case MEMORY: break;
     }
-    return report(log, STATUS_ERROR, "%s is computed by the unit: it cannot be set", variable->name);
+    return 0;
+}
+
+static Status check_settable(Instance *instance, const char *call, const Variable *variable)
+{
+    unsigned modes = settable_modes(variable);
+    if (instance->mode & modes) {
+        return STATUS_OK;
+    }
+    if (!modes) {
+        return report(&instance->log, STATUS_ERROR, "%s: %s is computed by the unit: it cannot be set", call,
+                      variable->name);
+    }
+    char now[MODE_TEXT], allowed[MODE_TEXT];
+    list_modes(instance->mode, now);
+    list_modes(modes, allowed);
+    return report(&instance->log, STATUS_ERROR, "%s: %s cannot be set in %s; allowed in: %s", call, variable->name, now,
+                  allowed);
 }
 
 static Status check_value(Instance *instance, const Variable *variable, uint32_t element, double value)

@@ -65,9 +65,10 @@ static Status instance_get(Instance *instance, const char *call, ValueType type,
     return status == STATUS_OK ? left_over(instance, call, left) : status;
 }
 
-static Status set_elements(Instance *instance, const Variable *variable, const char *source, size_t elements)
+static Status set_elements(Instance *instance, const char *call, const Variable *variable, const char *source,
+                           size_t elements)
 {
-    Status status = check_settable(instance, variable);
+    Status status = check_settable(instance, call, variable);
     size_t size = element_size[variable->type];
     char *place = instance->values + variable->offset;
     for (uint32_t k = 0; status == STATUS_OK && variable->type != BOOLEAN && k < elements; k++) {
@@ -95,7 +96,7 @@ static Status instance_set(Instance *instance, const char *call, ValueType type,
         status = check_variable(instance, call, variable, type, left);
         if (status == STATUS_OK) {
             size_t elements = element_count(instance, variable);
-            status = set_elements(instance, variable, source, elements);
+            status = set_elements(instance, call, variable, source, elements);
             source += elements * element_size[type];
             left -= elements;
         }

@@ -3,9 +3,9 @@
 
 #include <string.h>
 
-static Status set_element(Instance *instance, const Variable *variable, uint32_t element, double value)
+static Status set_element(Instance *instance, const char *call, const Variable *variable, uint32_t element, double value)
 {
-    Status status = check_settable(instance, variable);
+    Status status = check_settable(instance, call, variable);
     if (status == STATUS_OK) {
         status = check_value(instance, variable, element, value);
     }
@@ -62,5 +62,5 @@ static Status set_scalar(Instance *instance, const char *call, uint32_t referenc
 {
     uint32_t element;
     const Variable *variable = scalar(instance, call, reference, type, &element);
-    return variable ? set_element(instance, variable, element, value) : STATUS_ERROR;
+    return variable ? set_element(instance, call, variable, element, value) : STATUS_ERROR;
 }

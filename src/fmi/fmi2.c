@@ -38,6 +38,10 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
         .instance_name = (char *)(uintptr_t)(instanceName ? instanceName : unit.name),
         .categories = loggingOn ? LOG_ALL : LOG_ERRORS | LOG_WARNINGS,
     };
+    if (fmuType != fmi2CoSimulation && fmuType != fmi2ModelExchange) {
+        report(&log, STATUS_ERROR, "fmuType = %d; allowed range: fmi2ModelExchange, fmi2CoSimulation", (int)fmuType);
+        return NULL;
+    }
     if (fmuType == fmi2ModelExchange && !unit.state_count) {
         report(&log, STATUS_ERROR, "%s has no continuous states: it is for co-simulation only", unit.name);
         return NULL;
@@ -251,6 +255,9 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
 {
     REQUIRE(c);
     ALLOW(INITIALIZATION | EVENT | CONTINUOUS_TIME | STEP | TERMINATED)
+    if (!dvKnown || !dvUnknown) {
+        return (fmi2Status)instance_refuse(instance, __func__, "an array is NULL");
+    }
     References unknowns = {vUnknown_ref, nUnknown, false};
     References knowns = {vKnown_ref, nKnown, false};
     return (fmi2Status)instance_directional_derivative(instance, __func__, unknowns, knowns, dvKnown, nKnown, dvUnknown,

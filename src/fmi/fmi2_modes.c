@@ -107,7 +107,7 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
                                       "%s: derivative %d of %s is not taken; allowed: derivative 1 of inputs with a _rate",
                                       __func__, order[i], variable->name);
         }
-        status = set_element(instance, &unit.variables[variable->rate], element, value[i]);
+        status = set_element(instance, __func__, &unit.variables[variable->rate], element, value[i]);
     }
     return (fmi2Status)status;
 }

@@ -69,7 +69,7 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean noSetF
 fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time)
 {
     REQUIRE(instance);
-    ALLOW(EVENT | CONTINUOUS_TIME)
+    ALLOW(CONTINUOUS_TIME)
     return (fmi3Status)instance_move_time(self, time);
 }
 

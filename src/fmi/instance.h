@@ -19,6 +19,8 @@ typedef enum Mode {
     FAILED = 256 /* after a step that went wrong: reset it, restore a state, or free it */
 } Mode;
 
+enum { MODE_TEXT = 256 }; /* room for the names of all modes */
+
 enum { LOG_ERRORS = 1, LOG_WARNINGS = 2, LOG_EVENTS = 4, LOG_ALL = 7 };
 
 struct Log {
@@ -60,6 +62,7 @@ static Instance *instance_create(Kind kind, const char *name, const char *token,
 static void instance_free(Instance *instance);
 static Status instance_reset(Instance *instance);
 static Status instance_set_logging(Instance *instance, bool on, size_t count, const char *const categories[]);
+static void list_modes(unsigned modes, char text[MODE_TEXT]);
 static Status instance_allows(Instance *instance, const char *call, unsigned modes);
 static Status instance_change_mode(Instance *instance, const char *call, unsigned from, Mode to);
 static Status instance_set_experiment(Instance *instance, bool stop_defined, double start_time, double stop_time);

@@ -23,13 +23,13 @@ static const struct {
 
 enum { MODE_NAMES = sizeof mode_names / sizeof *mode_names };
 
-static void list_modes(unsigned modes, char *text, size_t size)
+static void list_modes(unsigned modes, char text[MODE_TEXT])
 {
     size_t used = 0;
     text[0] = '\0';
     for (size_t i = 0; i < MODE_NAMES; i++) {
-        if ((modes & mode_names[i].mode) && used < size) {
-            int n = snprintf(text + used, size - used, "%s%s", used ? ", " : "", mode_names[i].name);
+        if ((modes & mode_names[i].mode) && used < MODE_TEXT) {
+            int n = snprintf(text + used, MODE_TEXT - used, "%s%s", used ? ", " : "", mode_names[i].name);
             used += n > 0 ? (size_t)n : 0;
         }
     }
@@ -40,9 +40,9 @@ static Status instance_allows(Instance *instance, const char *call, unsigned mod
     if (instance->mode & modes) {
         return STATUS_OK;
     }
-    char now[64], allowed[256];
-    list_modes(instance->mode, now, sizeof now);
-    list_modes(modes, allowed, sizeof allowed);
+    char now[MODE_TEXT], allowed[MODE_TEXT];
+    list_modes(instance->mode, now);
+    list_modes(modes, allowed);
     return report(&instance->log, STATUS_ERROR, "%s is not allowed in %s; allowed in: %s", call, now, allowed);
 }
 

@@ -11,7 +11,8 @@ static bool differentiable(const Instance *instance, const Variable *variable, b
     if (unknown) {
         return variable->causality == OUTPUT || variable->causality == LOCAL;
     }
-    bool initial = instance->mode == INITIALIZATION && variable->causality == PARAMETER;
+    /* what a workspace holds of the parameters is not differentiated */
+    bool initial = instance->mode == INITIALIZATION && variable->causality == PARAMETER && !unit.workspace_size;
     bool tunable = variable->causality == PARAMETER && variable->variability == TUNABLE;
     return variable->causality == INPUT || variable->state || initial || tunable;
 }
