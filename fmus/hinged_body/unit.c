@@ -1,5 +1,6 @@
 /* HingedBody: the checks and the step. */
 #include "unit.h"
+#include "internal_steps.h"
 #include "equations.h"
 #include "solvers.c"
 
@@ -29,9 +30,9 @@ static Status hinged_body_check(const HingedBody *body, Log *log)
 static Status hinged_body_step(HingedBody *body, double step, Log *log)
 {
     HingedBodySolver solve = hinged_body_solver(body->solver);
-    double steps = ceil(step / body->solver_step * (1.0 - 1e-12));
-    if (steps < 1.0) {
-        steps = 1.0;
+    double steps = internal_steps(step, body->solver_step, log);
+    if (!(steps > 0.0)) {
+        return STATUS_ERROR;
     }
     double h = step / steps;
     Swing swing = {body->angle, body->rate};
@@ -40,6 +41,5 @@ static Status hinged_body_step(HingedBody *body, double step, Log *log)
     }
     body->angle = swing.angle;
     body->rate = swing.rate;
-    (void)log;
     return STATUS_OK;
 }

@@ -1,9 +1,8 @@
 /* RigidBody: the checks and the step. */
 #include "unit.h"
+#include "internal_steps.h"
 #include "equations.h"
 #include "solvers.c"
-
-#include <math.h>
 
 /* No mass distribution has one principal moment larger than the other two together. */
 static Status rigid_body_check(const RigidBody *body, Log *log)
@@ -23,9 +22,9 @@ static Status rigid_body_check(const RigidBody *body, Log *log)
 static Status rigid_body_step(RigidBody *body, double step, Log *log)
 {
     RigidBodySolver solve = rigid_body_solver(body->solver);
-    double steps = ceil(step / body->solver_step * (1.0 - 1e-12));
-    if (steps < 1.0) {
-        steps = 1.0;
+    double steps = internal_steps(step, body->solver_step, log);
+    if (!(steps > 0.0)) {
+        return STATUS_ERROR;
     }
     double h = step / steps;
     LinearLoads loads = rigid_body_linear_loads(body);
@@ -37,6 +36,5 @@ static Status rigid_body_step(RigidBody *body, double step, Log *log)
     body->orientation = motion.orientation;
     body->linear_momentum = motion.linear_momentum;
     body->angular_momentum = motion.angular_momentum;
-    (void)log;
     return STATUS_OK;
 }

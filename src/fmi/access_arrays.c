@@ -76,6 +76,9 @@ static Status set_elements(Instance *instance, const char *call, const Variable 
     }
     if (status == STATUS_OK) {
         memcpy(place, source, elements * size);
+        for (size_t k = 0; variable->type == BOOLEAN && k < elements; k++) {
+            place[k] = place[k] != 0; /* any other byte is no bool */
+        }
         instance->unprepared |= variable->causality != INPUT;
         instance_touch(instance);
     }

@@ -109,7 +109,8 @@ static Status instance_restore(Instance *instance, const SavedState *saved)
     instance->stop_time = saved->stop_time;
     instance->last_time = saved->last_time;
     instance_touch(instance);
-    return STATUS_OK;
+    /* here, since a step must not allocate */
+    return instance->mode & (EVENT | CONTINUOUS_TIME | STEP) ? instance_prepare(instance) : STATUS_OK;
 }
 
 static Status instance_serialize(Instance *instance, const SavedState *saved, void *bytes, size_t size)
@@ -146,9 +147,6 @@ static Status instance_deserialize(Instance *instance, const void *bytes, size_t
     if (status != STATUS_OK) {
         free(state);
         return status;
-    }
-    if (*saved) {
-        free(*saved);
     }
     *saved = state;
     return STATUS_OK;

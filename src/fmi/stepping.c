@@ -26,6 +26,9 @@ static void handle_events(Instance *instance)
     }
 }
 
+/* A step that would never end, for all one can wait. */
+enum { MOST_EVENTS = 10000000 };
+
 static Status check_step(Instance *instance, double point, double size)
 {
     double now = instance_time(instance);
@@ -93,6 +96,7 @@ static Status instance_step(Instance *instance, double point, double size, StepR
         return status;
     }
     bool stop_at_events = instance->event_mode_used && instance->early_return_allowed;
+    int events = 0;
     instance_set_time(instance, point);
     handle_events(instance);
     double event = next_event(instance);
@@ -106,6 +110,11 @@ static Status instance_step(Instance *instance, double point, double size, StepR
         }
         handle_events(instance);
         event = next_event(instance);
+        if (++events == MOST_EVENTS) {
+            instance->mode = FAILED;
+            return report(&instance->log, STATUS_ERROR, "communicationStepSize = %g s has more than %d events", size,
+                          MOST_EVENTS);
+        }
     }
     if (status <= STATUS_WARNING) {
         status = advance(instance, end);

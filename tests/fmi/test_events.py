@@ -36,12 +36,9 @@ def outputs(sensor: Raw) -> list[bytes]:
 
 
 def settle(sensor: Raw, announced: list[float]) -> None:
-    """Handles events until there is none at this time, then enters step mode."""
-    while True:
-        need_update, *_, defined, time = sensor.updateDiscreteStates()
-        if not need_update:
-            break
-    assert defined
+    """Handles all events of this time, then enters step mode."""
+    need_update, terminate, _, _, defined, time = sensor.updateDiscreteStates()
+    assert (need_update, terminate, defined) == (False, False, True)
     announced.append(time)
     sensor.enterStepMode()
 

@@ -149,3 +149,13 @@ def test_outputs_of_a_unit_without_states_do_not_depend_on_the_steps_before(vers
             for time, step in zip(np.cumsum([0.0, *steps[:-1]]), steps, strict=True):
                 unit.doStep(time, step)
         assert once.outputs() == often.outputs()
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("name", WITH_STATES)
+def test_a_step_that_would_never_end_is_refused_at_once(name, version):
+    """Counted in doubles, its internal steps would stall at 2^53."""
+    with Raw(name, version) as unit:
+        unit.start()
+        refusal(unit.doStep, 0.0, 1e300)
+        assert "solver_step" in unit.log[-1][-1]

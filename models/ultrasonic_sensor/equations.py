@@ -1,0 +1,175 @@
+"""UltrasonicSensor: times from the image of the receiver and from Pythagoras, curvatures as derivatives of normals.
+
+Sources: Pierce, *Acoustics*, 8.1 (Fermat, moving boundaries); Deschamps, Proc. IEEE 60 (1972) 1022 (wavefronts after a
+mirror); Kinsler and Frey, *Fundamentals of Acoustics*, 7.4 (the piston).
+"""
+
+import casadi as ca
+from casadi import SX
+
+from ..algebra import Values, substituted
+from . import air
+
+DECIBEL_PER_NEPER = 8.685889638065036553  # 20 / ln 10
+PISTON_RADIUS = 0.00657  # m
+PISTON_TERMS = 22  # of the series behind the first
+
+NO_ECHO = -200.0  # dB
+
+
+def equations(values: Values) -> Values:
+    """Results by `FUNCTION` or `FUNCTION.RESULT`, values at the start as `initial(NAME)`; SI units and dB."""
+    temperature, humidity = values["temperature"], values["humidity"]
+    sound = air.speed_of_sound(temperature, humidity)
+    loss = air.absorption(temperature, humidity, values["frequency"])
+    half_baseline = values["baseline"] / 2
+    half_way = values["speed"] * values["time_of_flight"] / 2
+    return {
+        "vapour_fraction": air.vapour_fraction(temperature, humidity),
+        "speed_of_sound_in_air": sound,
+        "absorption_of_air": loss,
+        "initial(speed_of_sound)": sound,
+        "initial(absorption)": loss,
+        "initial(distance)": values["maximum_range"],
+        "initial(level)": SX(NO_ECHO),
+        **{f"initial({name}_time)": values["time"] for name in ("start", "position", "sphere_center")},
+        # the legs of an isosceles triangle over the baseline, and its height
+        "distance_of_time": ca.sqrt((half_way - half_baseline) * (half_way + half_baseline)),
+        "time_of_distance": 2 * ca.norm_2(ca.vertcat(values["range"], half_baseline)) / values["speed"],
+        "arrival_time": arrival_time(values["offset"], values["velocity"], values["speed"]),
+        **_named("plane_path", plane_path(values)),
+        **_named("ball_path_refined", ball_path(values)),
+        **_named("sphere_curvature", sphere_curvature(values)),
+        **_named("cylinder_curvature", cylinder_curvature(values)),
+        "spreading_power": spreading_power(values),
+        "piston_directivity": piston(values["half_argument_squared"]),
+        "path_level": path_level(values),
+        "facing_level": DECIBEL_PER_NEPER * ca.log(2 / values["length"])
+        - values["absorption_per_metre"] * values["length"],
+    }
+
+
+def _named(function: str, results: Values) -> Values:
+    return {f"{function}.{name}": result for name, result in results.items()}
+
+
+def arrival_time(offset: SX, velocity: SX, speed: SX) -> SX:
+    """The later root of (c^2 - v^2) t^2 - 2 (o.v) t - o^2 = 0, as what the earlier one leaves of the product."""
+    approach = ca.dot(offset, velocity)
+    square = ca.dot(offset, offset)
+    return square / (ca.sqrt(approach**2 + (speed**2 - ca.dot(velocity, velocity)) * square) - approach)
+
+
+def plane_path(values: Values) -> Values:
+    """Straight from the transmitter to the image of the receiver, which moves as the mirror shows it."""
+    normal, speed, transmitter = values["normal"], values["speed"], values["transmitter"]
+    mirrored = SX.eye(3) - 2 * normal @ normal.T
+    image = values["plane_point"] + mirrored @ (values["receiver"] - values["plane_point"])
+    drift = mirrored @ values["velocity"]
+    time = arrival_time(image - transmitter, drift, speed)
+    incident = (image + time * drift - transmitter) / (speed * time)
+    first = ca.dot(values["plane_point"] - transmitter, normal) / ca.dot(incident, normal)
+    return {
+        "time": time,
+        "bounce_time": first / speed,
+        "first": first,
+        "second": speed * time - first,
+        "share": first / (speed * time),
+        "incident": incident,
+        "reflected": mirrored @ incident,
+        "normal": normal,
+        "point": transmitter + first * incident,
+    }
+
+
+def ball_path(values: Values) -> Values:
+    """The path by the point of a ball whose normal aims at `path_share` of the way from transmitter to receiver.
+
+    The new share is Newton's: where the aim of the path so found and the aim that led to it would agree. The centre
+    of the ball slides by `ball_slide` per share.
+    """
+    share, given = SX.sym("share"), values["path_share"]
+    center = values["ball_center"] + (share - given) * values["ball_slide"]
+    path = _aimed_path(values | {"path_share": share, "ball_center": center})
+    newton = share - (path["share"] - share) / (ca.jacobian(path["share"], share) - 1)
+    return {name: ca.substitute(result, share, given) for name, result in (path | {"share": newton}).items()}
+
+
+def _aimed_path(values: Values) -> Values:
+    speed, velocity, drift = values["speed"], values["velocity"], values["ball_velocity"]
+    transmitter, share = values["transmitter"], values["path_share"]
+    at_reception = values["receiver"] + values["path_time"] * velocity
+    outward = transmitter + share * (at_reception - transmitter)
+    outward -= values["ball_center"] + values["path_bounce_time"] * drift
+    normal = outward / ca.norm_2(outward)
+    surface = values["ball_center"] + values["ball_radius"] * normal
+    there = arrival_time(surface - transmitter, drift, speed)
+    point = surface + there * drift
+    back = arrival_time(values["receiver"] + there * velocity - point, velocity, speed)
+    incident = (point - transmitter) / (speed * there)
+    reflected = (values["receiver"] + (there + back) * velocity - point) / (speed * back)
+    weights = [leg * (speed - ca.dot(direction, drift)) for leg, direction in ((there, incident), (back, reflected))]
+    return {
+        "time": there + back,
+        "bounce_time": there,
+        "first": speed * there,
+        "second": speed * back,
+        "share": weights[0] / (weights[0] + weights[1]),
+        "incident": incident,
+        "reflected": reflected,
+        "normal": normal,
+        "point": point,
+    }
+
+
+def _curvature(normal_at: SX, place: SX, values: Values) -> Values:
+    """Of a surface with the normal field `normal_at` (`place`), where it has the normal of the path."""
+    here = [(place, values["ball_radius"] * values["normal"])]
+    shape = substituted(ca.jacobian(normal_at, place), here)
+    return {
+        "trace": ca.trace(shape),
+        "determinant": (ca.trace(shape) ** 2 - ca.trace(shape @ shape)) / 2,
+        "along": values["incident"].T @ shape @ values["incident"],
+    }
+
+
+def sphere_curvature(values: Values) -> Values:
+    """Trace and determinant of the normal's derivative, and its value along the ray."""
+    place = SX.sym("place", 3)
+    return _curvature(place / ca.norm_2(place), place, values)
+
+
+def cylinder_curvature(values: Values) -> Values:
+    """The same of a cylinder about `cylinder_axis`."""
+    place, axis = SX.sym("place", 3), values["cylinder_axis"]
+    across = place - axis * ca.dot(axis, place)
+    return _curvature(across / ca.norm_2(across), place, values)
+
+
+def spreading_power(values: Values) -> SX:
+    """Relative to a plane that faces the sensor at 1 m: 4 m2 over the cross-section of a ray tube, 1/m2."""
+    cosine = ca.dot(values["reflected"], values["normal"])
+    first, second = values["first"], values["second"]
+    trace = 2 * (cosine * values["trace"] + values["along"] / cosine)
+    # any matrix of the mirror's trace and determinant
+    mirror = ca.blockcat([[SX(0), -4 * values["determinant"]], [SX(1), trace]])
+    return 4 / ca.det((first + second) * SX.eye(2) + first * second * mirror)
+
+
+def piston(half_argument_squared: SX) -> SX:
+    """2 J1(x) / x by its power series in (x/2)^2."""
+    term = total = SX(1)
+    for k in range(1, PISTON_TERMS + 1):
+        term = -term * half_argument_squared / (k * (k + 1))
+        total += term
+    return total
+
+
+def path_level(values: Values) -> SX:
+    """Level of a path in dB: spreading, the beam twice, the air."""
+    level = DECIBEL_PER_NEPER / 2 * ca.log(spreading_power(values))
+    for direction in ("incident", "reflected"):
+        aside = ca.cross(values[direction], values["axis"])
+        half_argument = values["wave_number"] * PISTON_RADIUS / 2
+        level += DECIBEL_PER_NEPER / 2 * ca.log(piston(half_argument**2 * ca.dot(aside, aside)) ** 2)
+    return level - values["absorption_per_metre"] * (values["first"] + values["second"])
