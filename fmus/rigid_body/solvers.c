@@ -37,6 +37,18 @@ static Loads loads_at(const LinearLoads *loads, real elapsed)
     return now;
 }
 
+/* Position and momentum after a step: the forces are linear in time, so this is exact. */
+static Motion translated(const RigidBody *body, const LinearLoads *loads, Motion m, real step)
+{
+    Vector force = add(loads->start.force, add(loads->start.base_force, loads->start.tip_force));
+    Vector slope = add(loads->slope.force, add(loads->slope.base_force, loads->slope.tip_force));
+    Vector gain = scale(step, add_scaled(force, step / 2.0, slope));
+    Vector mean = add_scaled(m.linear_momentum, step / 2.0, add_scaled(force, step / 3.0, slope));
+    m.position = add_scaled(m.position, step / body->mass, mean);
+    m.linear_momentum = add(m.linear_momentum, gain);
+    return m;
+}
+
 /* Turns from q with the constant angular velocity w, to first order, back to the unit sphere. */
 static Quaternion turned(Quaternion q, real h, Vector w)
 {
@@ -121,12 +133,16 @@ static Motion rk4_step(const RigidBody *body, const LinearLoads *loads, Motion m
 
 typedef Motion (*RigidBodySolver)(const RigidBody *body, const LinearLoads *loads, Motion motion, real elapsed, real h);
 
+/* The solvers of a fixed step; none for those that choose their steps. */
 static RigidBodySolver rigid_body_solver(int64_t solver)
 {
     switch ((RigidBodySolverKind)solver) {
     case RIGID_BODY_SOLVER_EXPLICIT_EULER: return explicit_euler_step;
     case RIGID_BODY_SOLVER_NOTES: return notes_step;
     case RIGID_BODY_SOLVER_RK4: return rk4_step;
+    case RIGID_BODY_SOLVER_TAYLOR:
+    case RIGID_BODY_SOLVER_EXACT:
+    case RIGID_BODY_SOLVER_AUTOMATIC: break;
     }
-    return rk4_step;
+    return 0;
 }

@@ -18,7 +18,7 @@ from raw import (
 STEP = 1e-3
 NOT_DIFFERENTIABLE = {"fold_fraction"}  # a count over a count: its derivative is zero or none
 WITH_WORKSPACE = {name for name in DIFFERENTIABLE if "workspace" in DECLARATIONS[name]}
-HELD = {"axis", "solver_step"}  # of unit length within 1e-9; at its least: no room for a difference
+HELD = {"axis", "solver_step", "tolerance"}  # of unit length within 1e-9; at their least: no room for a difference
 GENERIC = {
     "RigidBody": {"inertia": [2.0, 2.5, 3.0], "initial_orientation": [0.9, 0.1, -0.3, 0.2]},
     "HingedBody": {"inertia": [0.05, 0.06, 0.07], "axis": [0.6, 0.0, 0.8], "friction": 0.5},

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from raw import MODEL_EXCHANGE, ROUND_OFF, UNITS, VERSIONS, WITH_STATES, Raw, base_name, unpacked
+from raw import DECLARATIONS, MODEL_EXCHANGE, ROUND_OFF, UNITS, VERSIONS, WITH_STATES, Raw, base_name, unpacked
 from scipy.integrate import solve_ivp
 
 GRAVITY = np.array([0.0, 0.0, -9.80665])
@@ -15,6 +15,7 @@ START = {
     },
     "HingedBody": {"initial_angle": 1.0, "damping": 0.1, "stiffness": 5.0, "tip_force": [1.0, 2.0, 3.0]},
 }
+RK4 = {name: 1 + list(DECLARATIONS[name]["enumeration"]["Solver"]).index("rk4") for name in WITH_STATES}
 STATES = {
     "RigidBody": ("position", "orientation", "linear_momentum", "angular_momentum"),
     "HingedBody": ("angle", "rate"),
@@ -76,7 +77,7 @@ def test_co_simulation_tends_to_what_another_integrator_makes_of_model_exchange(
 
     def error(steps: int) -> float:
         with Raw(name, version) as unit:
-            for variable, value in {**START[name], "solver_step": 1.0}.items():
+            for variable, value in {**START[name], "solver": RK4[name], "solver_step": 1.0}.items():
                 unit.set(variable, value)
             unit.start()
             for i in range(steps):

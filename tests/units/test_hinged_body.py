@@ -17,7 +17,9 @@ from ulna import Slave, UnitError
 DECLARATION = tomllib.loads((Path(__file__).parents[2] / "fmus/hinged_body/unit.toml").read_text())
 START = {name: entry.get("start") for name, entry in DECLARATION["parameter"].items()}
 ORDERS = {
-    solver: int(re.search(r"order (\d+)", text)[1]) for solver, text in DECLARATION["enumeration"]["Solver"].items()
+    solver: int(order[1])
+    for solver, text in DECLARATION["enumeration"]["Solver"].items()
+    if (order := re.search(r"order (\d+)", text))
 }
 MASS, LEVER, GRAVITY = START["mass"], START["center_of_mass"][0], 9.80665
 ABOUT_HINGE = START["inertia"][1] + MASS * LEVER**2  # kg m2, of the default body about its default axis

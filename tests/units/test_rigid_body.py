@@ -15,7 +15,9 @@ from ulna import Slave, UnitError
 
 DECLARATION = tomllib.loads((Path(__file__).parents[2] / "fmus/rigid_body/unit.toml").read_text())
 ORDERS = {
-    solver: int(re.search(r"order (\d+)", text)[1]) for solver, text in DECLARATION["enumeration"]["Solver"].items()
+    solver: int(order[1])
+    for solver, text in DECLARATION["enumeration"]["Solver"].items()
+    if (order := re.search(r"order (\d+)", text))
 }
 GRAVITY = np.array([0.0, 0.0, -9.80665])
 INERTIA = np.array([1.0, 2.0, 3.0])

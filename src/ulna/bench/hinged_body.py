@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from ..slave import Slave
-from .measuring import TOLERANCE, Array, choices, integrated, repeated_step, side_by_side, started
+from .measuring import TOLERANCE, Array, fixed_step_solvers, integrated, repeated_step, side_by_side, started
 from .tables import Table
 
 STEPS = (0.01, 0.001)  # s
@@ -60,7 +60,7 @@ def stable_up_to(solver: str, forearm: dict[str, float]) -> float:
 
 def bench(rounds: int) -> list[Table]:
     """Time of an internal step, errors of the angle, and the limit of stability, for each solver."""
-    solvers = choices("HingedBody", "solver")
+    solvers = fixed_step_solvers("HingedBody")
     forearm = default_forearm()
     calls = {}
     for solver in solvers:

@@ -28,6 +28,15 @@ def choices(unit: str, parameter: str) -> list[str]:
         return [entry for entry, _ in slave.variable(parameter).entries]
 
 
+# Their work does not depend on solver_step: `ulna chart` shows them.
+CHOOSE_THEIR_STEPS = {"taylor", "exact", "automatic"}
+
+
+def fixed_step_solvers(unit: str) -> list[str]:
+    """The solvers of a unit that take equal steps."""
+    return [solver for solver in choices(unit, "solver") if solver not in CHOOSE_THEIR_STEPS]
+
+
 def repeated_step(slave: Slave, duration: float) -> Callable[[], None]:
     """A call that takes the same one step from the present state, each time anew."""
     state = slave.save()

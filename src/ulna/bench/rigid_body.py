@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .measuring import TOLERANCE, Array, choices, integrated, repeated_step, side_by_side, started
+from .measuring import TOLERANCE, Array, fixed_step_solvers, integrated, repeated_step, side_by_side, started
 from .tables import Table
 
 INERTIA = (1.0, 2.0, 3.0)  # kg m2
@@ -58,7 +58,7 @@ def motion(solver: str, rate: tuple[float, ...], step: float) -> dict:
 
 def bench(rounds: int) -> list[Table]:
     """Time of an internal step, and errors after 100 s, for each solver."""
-    solvers = choices("RigidBody", "solver")
+    solvers = fixed_step_solvers("RigidBody")
     bodies = {solver: started("RigidBody", **motion(solver, TUMBLE, STEPS[-1])) for solver in solvers}
     cost = side_by_side({s: repeated_step(body, TIMED_STEPS * STEPS[-1]) for s, body in bodies.items()}, rounds)
     tumble, middle_axis = true_attitude(TUMBLE), true_attitude(MIDDLE_AXIS)
