@@ -15,6 +15,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from .checks.command import check
 from .description import read_description
 from .gallery import Example, load, scenes
 from .gltf import write_glb
@@ -33,6 +34,7 @@ WRONG = 2
 MISTAKES = (KeyError, AttributeError, ValueError, TypeError, FileNotFoundError, ModuleNotFoundError)
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
+app.command()(check)
 console = Console()
 errors = Console(stderr=True)
 
