@@ -7,31 +7,33 @@
  * that are complex in k. Both are entire in u but for one common real factor, which the norm takes out:
  *     alpha ~ exp(i mu t) theta4(v - i b, q^2),   beta ~ exp(i mu t) theta1(v - i b, q^2),
  * v = pi u / 2K, q the nome of the momentum, b = pi s / 2K and cd(s, k') = A_z. The zeros of theta4
- * and theta1 are those of 1 + A_z dn u and of 1 - A_z dn u, on the side that the phase of alpha,
+ * and theta1 are zeros of 1 + A_z dn u and of 1 - A_z dn u: those where the phase of alpha,
  *     d arg(alpha) / dt = (a_z L + (2 E - a_z L^2) / (L + m_z)) / 2,   a = 1 / I,
- * asks for; at u = 0 this gives mu. No angle is unwound, and no integral of the third kind is left.
+ * has a pole of the same residue; its value at u = 0 gives mu. No angle is unwound, and no integral of the third kind is left.
  *
  * Near the separatrix q tends to 1 and Jacobi's imaginary transformation takes over: hyperbolic
  * functions of the distance from the nearest turn. In both forms the terms fall as exp(-pi n^2) or
  * faster. Symmetric, spherical and steady bodies need no other formula: there k = 0.
  *
- * The integral of the third kind: van Zon & Schofield, J. Comput. Phys. 225:145 (2007).
+ * The same motion with its integral of the third kind: van Zon & Schofield, J. Comput. Phys. 225:145 (2007).
  */
 #include "equations.h"
 #include "elliptic.c"
 
+#include <stdbool.h>
+
 enum { DIRECT_TERMS = 8, COMPLEMENTARY_TERMS = 4 };
 
-/* The direct form has no `turn`, and where it stands alone in a comment v is u in the complementary form. */
 typedef struct FreeMotion {
-    double start, rate;         /* of v (direct) or of u (complementary), rad and rad/s */
+    double start, rate;         /* the phase, v in the direct form and u in the complementary one, and 1/s of it */
     double precession_rate;     /* mu, rad/s */
-    double turn;                /* 2 K: u from one turn to the next */
-    double precession_by_phase; /* what the complementary form takes out of theta, rad per unit of u */
-    double exponent_by_phase;   /* pi / 2 K' */
-    double nome;                /* of the complementary form */
     double cosine[DIRECT_TERMS], sine[DIRECT_TERMS]; /* coefficients of the terms */
-    Quaternion basis[4];        /* world attitude of 1, x, y, z of the canonical quaternion */
+    Quaternion basis[4];        /* what 1, x, y, z of the canonical quaternion are in the world */
+    /* of the complementary form only */
+    double turn;                /* 2 K: u from one turn to the next; 0 marks the direct form */
+    double precession_by_phase; /* rad per unit of u that the transformation takes out of theta */
+    double exponent_by_phase;   /* pi / 2 K' */
+    double nome;                /* exp(-pi K / 2 K') */
 } FreeMotion;
 
 /* The momentum in canonical axes, over its norm, and the ratios of the inertia. */
@@ -119,6 +121,7 @@ static Canonical canonical_form(Vector principal, Vector m, double L)
         form.rest = 0.0;
         form.rate_difference = 0.0;
         form.complement = n[z] * n[z];
+        form.rate_x = L / inertia[z];
     } else {
         double distance = separatrix_distance(inertia, momentum, order);
         x = order[distance < 0.0 ? 2 : 0];
@@ -129,8 +132,8 @@ static Canonical canonical_form(Vector principal, Vector m, double L)
         form.rest = (inertia[y] - inertia[x]) * inertia[z] / span;
         form.rate_difference = L * (inertia[z] - inertia[x]) / (inertia[x] * inertia[z]);
         form.complement = fabs(distance / span) / (L * L);
+        form.rate_x = L / inertia[x];
     }
-    form.rate_x = L / inertia[x];
     form.rate_z = L / inertia[z];
     double axis[3][3] = {{0.0}};
     axis[0][x] = copysign(1.0, n[x]);
@@ -142,38 +145,6 @@ static Canonical canonical_form(Vector principal, Vector m, double L)
     form.y = dot(form.axes[1], vector(n[0], n[1], n[2]));
     form.z = fabs(n[z]);
     return form;
-}
-
-/* Terms j = -7 .. 7 of theta4 (j even) and theta1 (j odd): g^j q^(j (j - 1) / 2) exp(i j v), g = exp(b) sqrt(q). */
-static void direct_terms(FreeMotion *motion, double quarter, double conjugate_quarter, double gap)
-{
-    double q = exp(-pi * conjugate_quarter / quarter);
-    double g = exp(-0.5 * pi * gap / quarter);
-    double back = q / fmax(g, DBL_MIN); /* below sqrt(q), and 0 where there is but one frequency */
-    double forward_term = 1.0, back_term = 1.0, power = 1.0;
-    motion->cosine[0] = 1.0;
-    motion->sine[0] = 0.0;
-    for (int j = 1; j < DIRECT_TERMS; j++) {
-        forward_term *= g * power;
-        back_term *= back * power;
-        power *= q;
-        double sign = j / 2 % 2 ? -1.0 : 1.0;
-        motion->cosine[j] = sign * (forward_term + back_term);
-        motion->sine[j] = sign * (forward_term - back_term);
-    }
-}
-
-/* Terms n = 0 .. 3 of theta2 and theta1 of the complementary nome, without their hyperbolic functions. */
-static void complementary_terms(FreeMotion *motion, double angle)
-{
-    double power = 1.0; /* nome^(n^2) */
-    double ratio = motion->nome;
-    for (int n = 0; n < COMPLEMENTARY_TERMS; n++) {
-        motion->cosine[n] = power * cos((2 * n + 1) * angle);
-        motion->sine[n] = power * sin((2 * n + 1) * angle);
-        power *= ratio;
-        ratio *= motion->nome * motion->nome;
-    }
 }
 
 /* alpha and beta without their common precession and norm. */
@@ -240,7 +211,7 @@ static Quaternion canonical_attitude(const FreeMotion *motion, double t)
     return quaternion(a.w * c - a.z * s, a.x * c - a.y * s, a.y * c + a.x * s, a.z * c + a.w * s);
 }
 
-/* The attitude whose first element, the parts 1, x, y, z of the canonical quaternion, are turned to the world. */
+/* The canonical quaternion a, its four parts taken to what they are in the basis. */
 static Quaternion in_world(const Quaternion basis[4], Quaternion a)
 {
     Quaternion q = {0.0, 0.0, 0.0, 0.0};
@@ -264,61 +235,100 @@ static void set_basis(FreeMotion *motion, const Vector axes[3], Quaternion q0)
     }
 }
 
+/* What both forms start from. */
+typedef struct Amplitudes {
+    double x2, z2, x, z;                /* A_x^2, A_z^2, whose sum is 1, and their roots */
+    double k2;                          /* the modulus squared */
+    double quarter, conjugate_quarter;  /* K and K' */
+    double u, rate;                     /* at t = 0 */
+    double attitude_rate;               /* d arg(alpha) / dt at u = 0, rad/s */
+} Amplitudes;
+
+static Amplitudes amplitudes(const Canonical *n)
+{
+    Amplitudes a;
+    a.x2 = n->x * n->x + n->middle * n->y * n->y;
+    a.z2 = n->z * n->z + n->rest * n->y * n->y;
+    a.x = sqrt(a.x2);
+    a.z = sqrt(a.z2);
+    a.k2 = n->rest * a.x2 / (n->middle * a.z2);
+    a.quarter = complete_elliptic(sqrt(n->complement / (n->middle * a.z2)));
+    a.conjugate_quarter = complete_elliptic(sqrt(a.k2));
+    a.u = n->y == 0.0 ? 0.0 : sqrt(n->middle) * n->y / a.x * carlson_rf(n->x * n->x / a.x2, n->z * n->z / a.z2, 1.0);
+    a.rate = n->rate_difference * sqrt(n->middle) * a.z;
+    /* the rate of the comment above, as a sum of like signs: A_x^2 / (1 + A_z) is 1 - A_z */
+    a.attitude_rate = 0.5 * (n->rate_z * a.z + n->rate_x * a.x2 / (1.0 + a.z));
+    return a;
+}
+
+/* Terms j = -7 .. 7 of theta4 (j even) and theta1 (j odd): g^j q^(j (j - 1) / 2) exp(i j v), g = exp(b) sqrt(q). */
+static void set_direct(FreeMotion *motion, const Amplitudes *a)
+{
+    double gap = a->x > 0.0 ? a->z * carlson_rf(a->x2, a->x2 + a->k2 * a->z2, 1.0) : INFINITY; /* K' - s */
+    double q = exp(-pi * a->conjugate_quarter / a->quarter);
+    double g = exp(-0.5 * pi * gap / a->quarter);
+    double back = q / fmax(g, DBL_MIN); /* below sqrt(q); g = 0 where there is but one frequency */
+    double forward_term = 1.0, back_term = 1.0, power = 1.0, even = 1.0, odd = 0.0;
+    motion->cosine[0] = 1.0;
+    for (int j = 1; j < DIRECT_TERMS; j++) {
+        forward_term *= g * power;
+        back_term *= back * power;
+        power *= q;
+        double sign = j / 2 % 2 ? -1.0 : 1.0;
+        motion->cosine[j] = sign * (forward_term + back_term);
+        motion->sine[j] = sign * (forward_term - back_term);
+        even += j % 2 ? 0.0 : motion->cosine[j];
+        odd += j % 2 ? 0.0 : j * motion->sine[j];
+    }
+    motion->start = 0.5 * pi * a->u / a->quarter;
+    motion->rate = 0.5 * pi * a->rate / a->quarter;
+    motion->precession_rate = a->attitude_rate - motion->rate * odd / even;
+}
+
+/* Terms n = 0 .. 3 of theta2 and theta1 of the complementary nome, without their hyperbolic functions. */
+static void set_complementary(FreeMotion *motion, const Amplitudes *a)
+{
+    double s = a->x * carlson_rf(a->k2 * a->z2, a->k2, a->x2 + a->k2 * a->z2);
+    double angle = 0.25 * pi * s / a->conjugate_quarter;
+    double power = 1.0, even = 0.0, odd = 0.0; /* power: nome^n */
+    double square = 1.0;                       /* nome^(n^2) */
+    motion->nome = exp(-0.5 * pi * a->quarter / a->conjugate_quarter);
+    for (int n = 0; n < COMPLEMENTARY_TERMS; n++) {
+        motion->cosine[n] = square * cos((2 * n + 1) * angle);
+        motion->sine[n] = square * sin((2 * n + 1) * angle);
+        even += power * motion->cosine[n];
+        odd += power * (2 * n + 1) * motion->sine[n];
+        square *= power * power * motion->nome;
+        power *= motion->nome;
+    }
+    motion->start = a->u;
+    motion->rate = a->rate;
+    motion->turn = fmin(2.0 * a->quarter, DBL_MAX); /* no second turn on the separatrix itself */
+    motion->exponent_by_phase = 0.5 * pi / a->conjugate_quarter;
+    motion->precession_by_phase = angle / a->quarter;
+    motion->precession_rate = a->attitude_rate
+                              + a->rate * (0.5 * motion->exponent_by_phase * odd / even - motion->precession_by_phase);
+}
+
 /* The free motion from attitude q0 with the angular momentum L (world), at t = 0. */
 static FreeMotion free_motion_setup(Vector inertia, Quaternion q0, Vector angular_momentum)
 {
     FreeMotion motion = {0};
     Vector m = rotate_back(q0, angular_momentum);
     double L = norm(m);
-    if (!(L > 0.0)) {
-        motion.basis[0] = normalized(q0);
+    if (!(L > 0.0)) { /* at rest */
         motion.cosine[0] = 1.0;
+        motion.basis[0] = normalized(q0);
         return motion;
     }
-    Canonical n = canonical_form(inertia, m, L);
-    double x2 = n.x * n.x + n.middle * n.y * n.y; /* A_x^2; A_x^2 + A_z^2 = 1 */
-    double z2 = n.z * n.z + n.rest * n.y * n.y;
-    double amplitude_x = sqrt(x2), amplitude_z = sqrt(z2);
-    double k2 = n.rest * x2 / (n.middle * z2);
-    double complement2 = n.complement / (n.middle * z2);
-    double quarter = complete_elliptic(sqrt(complement2)), conjugate_quarter = complete_elliptic(sqrt(k2));
-    double rate = n.rate_difference * sqrt(n.middle) * amplitude_z;
-    double start = 0.0;
-    if (n.y != 0.0) {
-        start = sqrt(n.middle) * n.y / amplitude_x * carlson_rf(n.x * n.x / x2, n.z * n.z / z2, 1.0);
-    }
-    /* twice the rate of arg(alpha) at u = 0, where m_z is A_z L */
-    double doubled = n.rate_z * amplitude_z + n.rate_x * x2 / (1.0 + amplitude_z);
-    if (conjugate_quarter < 0.5 * quarter) {
-        double s = amplitude_x * carlson_rf(k2 * z2, k2, x2 + k2 * z2);
-        motion.nome = exp(-0.5 * pi * quarter / conjugate_quarter);
-        complementary_terms(&motion, 0.25 * pi * s / conjugate_quarter);
-        double even = 0.0, odd = 0.0, power = 1.0;
-        for (int i = 0; i < COMPLEMENTARY_TERMS; i++) {
-            even += power * motion.cosine[i];
-            odd += power * (2 * i + 1) * motion.sine[i];
-            power *= motion.nome;
-        }
-        motion.start = start;
-        motion.rate = rate;
-        motion.turn = fmin(2.0 * quarter, DBL_MAX); /* no second turn on the separatrix itself */
-        motion.exponent_by_phase = 0.5 * pi / conjugate_quarter;
-        motion.precession_by_phase = 0.25 * pi * s / (quarter * conjugate_quarter);
-        motion.precession_rate = 0.5 * doubled
-                                 + rate * (0.25 * pi / conjugate_quarter * odd / even - motion.precession_by_phase);
+    Canonical form = canonical_form(inertia, m, L);
+    Amplitudes a = amplitudes(&form);
+    if (a.conjugate_quarter < 0.5 * a.quarter) {
+        set_complementary(&motion, &a);
     } else {
-        double gap = x2 > 0.0 ? amplitude_z * carlson_rf(x2, x2 + k2 * z2, 1.0) : INFINITY;
-        direct_terms(&motion, quarter, conjugate_quarter, gap);
-        double even = 1.0, odd = 0.0;
-        for (int j = 2; j < DIRECT_TERMS; j += 2) {
-            even += motion.cosine[j];
-            odd += j * motion.sine[j];
-        }
-        motion.start = 0.5 * pi * start / quarter;
-        motion.rate = 0.5 * pi * rate / quarter;
-        motion.precession_rate = 0.5 * doubled - motion.rate * odd / even;
+        set_direct(&motion, &a);
     }
-    set_basis(&motion, n.axes, q0);
+    set_basis(&motion, form.axes, q0);
     return motion;
 }
 

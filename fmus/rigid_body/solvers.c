@@ -5,10 +5,13 @@
  */
 #include "equations.h"
 
+#include <stdbool.h>
+
 typedef struct Motion {
     Vector position;
     Quaternion orientation;
     Vector linear_momentum, angular_momentum;
+    bool beyond_limit; /* a step was too long for its solver */
 } Motion;
 
 /* Loads at the start of the communication step, and their slopes over it. */
@@ -61,7 +64,7 @@ static Motion explicit_euler_step(const RigidBody *body, const LinearLoads *load
     Rotation attitude = rotation(m.orientation);
     Wrench total = rigid_body_wrench(body, loads_at(loads, elapsed), attitude);
     Vector w = rigid_body_angular_velocity(body, attitude, m.angular_momentum);
-    Motion next;
+    Motion next = m;
     next.position = add_scaled(m.position, h / body->mass, m.linear_momentum);
     next.orientation = turned(m.orientation, h, w);
     next.linear_momentum = add_scaled(m.linear_momentum, h, total.force);
@@ -75,7 +78,7 @@ static Motion notes_step(const RigidBody *body, const LinearLoads *loads, Motion
 {
     Rotation attitude = rotation(m.orientation);
     Wrench total = rigid_body_wrench(body, loads_at(loads, elapsed), attitude);
-    Motion next;
+    Motion next = m;
     next.linear_momentum = add_scaled(m.linear_momentum, h, total.force);
     next.angular_momentum = add_scaled(m.angular_momentum, h, total.torque);
     Vector w = rigid_body_angular_velocity(body, attitude, next.angular_momentum);
@@ -131,15 +134,44 @@ static Motion rk4_step(const RigidBody *body, const LinearLoads *loads, Motion m
     return next;
 }
 
+/* The same where nothing turns the body: the body rate and the attitude alone. */
+static Motion rk4_free_step(const RigidBody *body, const LinearLoads *loads, Motion m, real elapsed, real h)
+{
+    static const double at[4] = {0.0, 0.5, 0.5, 1.0};
+    static const double weight[4] = {1.0, 2.0, 2.0, 1.0};
+    LinearLoads here = {loads_at(loads, elapsed), loads->slope};
+    Motion next = translated(body, &here, m, h);
+    Vector i = body->inertia;
+    Vector ratio = vector((i.y - i.z) / i.x, (i.z - i.x) / i.y, (i.x - i.y) / i.z);
+    Vector body_rate = divide_elements(to_body(rotation(m.orientation), m.angular_momentum), i);
+    Vector slope = vector(0.0, 0.0, 0.0);
+    Quaternion rate = {0.0, 0.0, 0.0, 0.0};
+    for (int stage = 0; stage < 4; stage++) {
+        real reach = at[stage] * h;
+        Vector w = add_scaled(body_rate, reach, slope);
+        Quaternion q = add_scaled_quaternion(m.orientation, 0.5 * reach, rate);
+        slope = multiply_elements(ratio, vector(w.y * w.z, w.z * w.x, w.x * w.y));
+        rate = compose(q, quaternion(0.0, w.x, w.y, w.z));
+        next.orientation = add_scaled_quaternion(next.orientation, weight[stage] * h / 12.0, rate);
+    }
+    next.orientation = normalized(next.orientation);
+    return next;
+}
+
+#include "splitting.c"
+
 typedef Motion (*RigidBodySolver)(const RigidBody *body, const LinearLoads *loads, Motion motion, real elapsed, real h);
 
-/* The solvers of a fixed step; none for those that choose their steps. */
+/* The solvers whose step is one formula; none for those that iterate or choose their steps. */
 static RigidBodySolver rigid_body_solver(int64_t solver)
 {
     switch ((RigidBodySolverKind)solver) {
     case RIGID_BODY_SOLVER_EXPLICIT_EULER: return explicit_euler_step;
     case RIGID_BODY_SOLVER_NOTES: return notes_step;
     case RIGID_BODY_SOLVER_RK4: return rk4_step;
+    case RIGID_BODY_SOLVER_SPLITTING: return splitting_step;
+    case RIGID_BODY_SOLVER_MIDPOINT:
+    case RIGID_BODY_SOLVER_MOSER_VESELOV:
     case RIGID_BODY_SOLVER_TAYLOR:
     case RIGID_BODY_SOLVER_EXACT:
     case RIGID_BODY_SOLVER_AUTOMATIC: break;

@@ -3,6 +3,7 @@
 #include "internal_steps.h"
 #include "equations.h"
 #include "solvers.c"
+#include "geometric.c"
 #include "taylor.c"
 #include "exact.c"
 
@@ -23,9 +24,51 @@ static Status rigid_body_check(const RigidBody *body, Log *log)
     return STATUS_OK;
 }
 
-static Status fixed_steps(const RigidBody *body, const LinearLoads *loads, double step, Motion *motion, Log *log)
+/* Whether anything turns the body over the coming step. */
+static bool torque_acts(const RigidBody *body, const LinearLoads *loads)
 {
-    RigidBodySolver solve = rigid_body_solver(body->solver);
+    bool base = !is_zero(body->base) && !(is_zero(loads->start.base_force) && is_zero(loads->slope.base_force));
+    bool tip = !is_zero(body->tip) && !(is_zero(loads->start.tip_force) && is_zero(loads->slope.tip_force));
+    return base || tip || !is_zero(loads->start.torque) || !is_zero(loads->slope.torque);
+}
+
+/* The solvers of a fixed step, one formula or iterated; none for those that choose their steps. */
+static RigidBodySolver fixed_step_solver(int64_t solver)
+{
+    if (solver == RIGID_BODY_SOLVER_MIDPOINT) {
+        return midpoint_step;
+    }
+    return solver == RIGID_BODY_SOLVER_MOSER_VESELOV ? moser_veselov_step : rigid_body_solver(solver);
+}
+
+/* The turn in one internal step, rad, beyond which a solver is of no use: where Euler's steps gain 1 % of
+ * energy, rk4 is unstable, and half a turn is sampled once. Those that iterate know by themselves. */
+static double largest_turn(int64_t solver)
+{
+    bool euler = solver == RIGID_BODY_SOLVER_EXPLICIT_EULER || solver == RIGID_BODY_SOLVER_NOTES;
+    return euler ? 0.14 : solver == RIGID_BODY_SOLVER_RK4 ? 2.83 : 3.14;
+}
+
+/* Says once that the internal step is too long. */
+static Status check_turn(RigidBody *body, const Motion *motion, double h, Log *log)
+{
+    Rotation attitude = rotation(motion->orientation);
+    double turn = h * norm(rigid_body_angular_velocity(body, attitude, motion->angular_momentum));
+    if (body->warned || !(motion->beyond_limit || turn > largest_turn(body->solver))) {
+        return STATUS_OK;
+    }
+    body->warned = true;
+    return report(log, STATUS_WARNING,
+                  "the body turns by %.3g rad in an internal step of %g s, beyond the limit of its solver: take a smaller "
+                  "solver_step, or the solver automatic", turn, h);
+}
+
+static Status fixed_steps(RigidBody *body, const LinearLoads *loads, double step, Motion *motion, Log *log)
+{
+    RigidBodySolver solve = fixed_step_solver(body->solver);
+    if (solve == rk4_step && !torque_acts(body, loads)) {
+        solve = rk4_free_step;
+    }
     double steps = internal_steps(step, body->solver_step, log);
     if (!(steps > 0.0)) {
         return STATUS_ERROR;
@@ -34,15 +77,7 @@ static Status fixed_steps(const RigidBody *body, const LinearLoads *loads, doubl
     for (double i = 0.0; i < steps; i += 1.0) {
         *motion = solve(body, loads, *motion, i * h, h);
     }
-    return STATUS_OK;
-}
-
-/* Whether anything turns the body over the coming step. */
-static bool torque_acts(const RigidBody *body, const LinearLoads *loads)
-{
-    bool base = !is_zero(body->base) && !(is_zero(loads->start.base_force) && is_zero(loads->slope.base_force));
-    bool tip = !is_zero(body->tip) && !(is_zero(loads->start.tip_force) && is_zero(loads->slope.tip_force));
-    return base || tip || !is_zero(loads->start.torque) || !is_zero(loads->slope.torque);
+    return check_turn(body, motion, h, log);
 }
 
 _Static_assert(sizeof(FreeMotion) == sizeof ((RigidBody *)0)->free_motion, "unit.toml: size of free_motion");
@@ -79,8 +114,8 @@ static Status chosen_steps(RigidBody *body, const LinearLoads *loads, double ste
 static Status rigid_body_step(RigidBody *body, double step, Log *log)
 {
     LinearLoads loads = rigid_body_linear_loads(body);
-    Motion motion = {body->position, body->orientation, body->linear_momentum, body->angular_momentum};
-    Status status = rigid_body_solver(body->solver) ? fixed_steps(body, &loads, step, &motion, log)
+    Motion motion = {body->position, body->orientation, body->linear_momentum, body->angular_momentum, false};
+    Status status = fixed_step_solver(body->solver) ? fixed_steps(body, &loads, step, &motion, log)
                                                     : chosen_steps(body, &loads, step, &motion, log);
     body->position = motion.position;
     body->orientation = motion.orientation;

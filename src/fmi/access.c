@@ -154,13 +154,11 @@ static Status instance_get_states(Instance *instance, double *states, size_t cou
 {
     Status status = check_state_count(instance, derivatives ? "derivatives" : "continuous states", count, states);
     size_t next = 0;
-    for (size_t i = 0; status == STATUS_OK && i < unit.variable_count; i++) {
-        if (unit.variables[i].state) {
-            const Variable *variable = &unit.variables[derivatives ? i + 1 : i];
-            status = instance_ready_to_read(instance, "reading states", variable);
-            memcpy(states + next, instance->values + variable->offset, variable->count * sizeof(double));
-            next += variable->count;
-        }
+    for (size_t i = 0; status == STATUS_OK && i < unit.state_variables; i++) {
+        const Variable *variable = &unit.variables[unit.states[i] + (derivatives ? 1 : 0)];
+        status = instance_ready_to_read(instance, "reading states", variable);
+        memcpy(states + next, instance->values + variable->offset, variable->count * sizeof(double));
+        next += variable->count;
     }
     return status;
 }
@@ -169,11 +167,8 @@ static Status instance_set_states(Instance *instance, const double *states, size
 {
     Status status = check_state_count(instance, "continuous states", count, states);
     const double *next = states;
-    for (size_t i = 0; status == STATUS_OK && i < unit.variable_count; i++) {
-        const Variable *variable = &unit.variables[i];
-        if (!variable->state) {
-            continue;
-        }
+    for (size_t i = 0; status == STATUS_OK && i < unit.state_variables; i++) {
+        const Variable *variable = &unit.variables[unit.states[i]];
         for (uint32_t k = 0; status == STATUS_OK && k < variable->count; k++) {
             status = check_value(instance, variable, k, next[k]);
         }
@@ -190,9 +185,10 @@ static Status instance_get_nominals(Instance *instance, double *nominals, size_t
 {
     Status status = check_state_count(instance, "nominals", count, nominals);
     size_t next = 0;
-    for (size_t i = 0; status == STATUS_OK && i < unit.variable_count; i++) {
-        for (uint32_t k = 0; unit.variables[i].state && k < unit.variables[i].count; k++) {
-            nominals[next++] = unit.variables[i].nominal;
+    for (size_t i = 0; status == STATUS_OK && i < unit.state_variables; i++) {
+        const Variable *variable = &unit.variables[unit.states[i]];
+        for (uint32_t k = 0; k < variable->count; k++) {
+            nominals[next++] = variable->nominal;
         }
     }
     return status;

@@ -51,10 +51,11 @@ static Status check_step(Instance *instance, double point, double size)
 /* A step too long for its solver ends in infinities: better said where it happens. */
 static Status check_states_finite(Instance *instance, double size)
 {
-    for (size_t i = 0; i < unit.variable_count; i++) {
-        const Variable *variable = &unit.variables[i];
-        for (uint32_t k = 0; variable->state && k < variable->count; k++) {
-            if (!isfinite(element_as_double(instance, variable, k))) {
+    for (size_t i = 0; i < unit.state_variables; i++) {
+        const Variable *variable = &unit.variables[unit.states[i]];
+        const double *elements = (const double *)(const void *)(instance->values + variable->offset);
+        for (uint32_t k = 0; k < variable->count; k++) {
+            if (!isfinite(elements[k])) {
                 char name[96];
                 instance->mode = FAILED;
                 return report(&instance->log, STATUS_ERROR,

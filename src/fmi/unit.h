@@ -54,6 +54,8 @@ typedef struct Unit {
     size_t variable_count;
     const uint16_t *variable_of;    /* value reference -> index of its variable */
     size_t reference_count;
+    const uint16_t *states;         /* indices of the variables that are continuous states */
+    size_t state_variables;
     size_t state_count;             /* continuous states, scalars */
     size_t size;                    /* bytes of the struct */
     const void *start;              /* the struct at its start values */

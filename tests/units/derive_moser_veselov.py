@@ -22,6 +22,7 @@ import random
 import textwrap
 from collections import Counter
 from fractions import Fraction
+from functools import cache
 
 ORDER = 10
 TERMS = ORDER + 1
@@ -135,6 +136,7 @@ def solve(matrix: list[list[Fraction]], right: list[Fraction]) -> list[Fraction]
     return [row[count] for row in rows[:count]]
 
 
+@cache
 def derive() -> list[tuple[Polynomial, Polynomial]]:
     """The polynomials (s_n, d_n) for n = 2, 4 .. ORDER - 2."""
     spare = 4

@@ -232,8 +232,11 @@ def test_spin_about_the_middle_axis_needs_more_than_first_order() -> None:
 # --- orders under loads ---------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("load", LOADS)
-@pytest.mark.parametrize("solver", ORDERS)
+@pytest.mark.parametrize(
+    ("solver", "load"),
+    # without torque moser_veselov is of order 10: see its own file
+    [(solver, load) for solver in ORDERS for load in LOADS if (solver, load) != ("moser_veselov", "free")],
+)
 def test_each_solver_has_its_declared_order(solver: str, load: str) -> None:
     end = 1.0
     expected = exact_tumble(end, load)
@@ -243,7 +246,7 @@ def test_each_solver_has_its_declared_order(solver: str, load: str) -> None:
         distances = [np.linalg.norm(last[name] - value) for name, value in expected.items() if name != "orientation"]
         return math.hypot(attitude_error(last["orientation"], expected["orientation"]), *distances)
 
-    assert measured_order(error, {1: 1000, 4: 40}[ORDERS[solver]]) == pytest.approx(ORDERS[solver], abs=0.2)
+    assert measured_order(error, {1: 1000, 2: 200, 4: 40}[ORDERS[solver]]) == pytest.approx(ORDERS[solver], abs=0.2)
 
 
 @pytest.mark.parametrize("load", LOADS)

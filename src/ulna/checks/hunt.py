@@ -22,7 +22,8 @@ from .mutants import Mutant, all_mutants
 from .needs import c_compiler
 from .textbook import load_model
 
-UNIT_FILES = ("vector.h", "equations.h", "solvers.c", "deform.c")
+STEP_FILES = ("solvers.c", "splitting.c")
+UNIT_FILES = ("vector.h", "equations.h", "deform.c", *STEP_FILES)
 """What is traced; the rest of an FMU's C is judged as built."""
 
 
@@ -64,7 +65,7 @@ def judge_mutant(mutant: Mutant, header: Path = SNIPPETS) -> list[Row]:
             versions = [version for version in VERSIONS if f"sources/{mutant.file}" in _files(mutant.unit, version)]
             return [row for version in versions for row in _as_built(mutant, version, folder / version)]
         sources = mutated(mutant, VERSIONS[0], folder) / "sources"
-        claims = of_steps if mutant.file == "solvers.c" else of_equations
+        claims = of_steps if mutant.file in STEP_FILES else of_equations
         lifted = lift(sources, header)
         return list(claims(mutant.unit, lifted, load_model(lifted.header.snake)))
 

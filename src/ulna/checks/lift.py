@@ -80,8 +80,8 @@ def program(header: Header, groups: list[tuple[str, bool]], snippet: Path) -> st
         lines += [f'    {{ Lift lift; {unit} values = fields(lift); {call} save(lift, values, "{name}"); }}']
     if "lift_step(" in text:
         for entry, number in header.solvers.items():
-            call = f"lift_step(lift, fields(lift), {number});"
-            lines += [f'    {{ Lift lift; {call} lift.save("step_{entry}"); }}']
+            call = f"if (lift_step(lift, fields(lift), {number}))"
+            lines += [f'    {{ Lift lift; {call} {{ lift.save("step_{entry}"); }} }}']
     if "lift_functions(" in text:
         lines += ["    lift_functions();"]
     return "\n".join([*lines, "}", ""])
