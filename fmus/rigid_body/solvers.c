@@ -143,7 +143,8 @@ static Motion rk4_free_step(const RigidBody *body, const LinearLoads *loads, Mot
     Motion next = translated(body, &here, m, h);
     Vector i = body->inertia;
     Vector ratio = vector((i.y - i.z) / i.x, (i.z - i.x) / i.y, (i.x - i.y) / i.z);
-    Vector body_rate = divide_elements(to_body(rotation(m.orientation), m.angular_momentum), i);
+    Vector inverse = vector(1.0 / i.x, 1.0 / i.y, 1.0 / i.z);
+    Vector body_rate = multiply_elements(inverse, unit_rotate_back(m.orientation, m.angular_momentum));
     Vector slope = vector(0.0, 0.0, 0.0);
     Quaternion rate = {0.0, 0.0, 0.0, 0.0};
     for (int stage = 0; stage < 4; stage++) {
@@ -151,7 +152,7 @@ static Motion rk4_free_step(const RigidBody *body, const LinearLoads *loads, Mot
         Vector w = add_scaled(body_rate, reach, slope);
         Quaternion q = add_scaled_quaternion(m.orientation, 0.5 * reach, rate);
         slope = multiply_elements(ratio, vector(w.y * w.z, w.z * w.x, w.x * w.y));
-        rate = compose(q, quaternion(0.0, w.x, w.y, w.z));
+        rate = compose_vector(q, w);
         next.orientation = add_scaled_quaternion(next.orientation, weight[stage] * h / 12.0, rate);
     }
     next.orientation = normalized(next.orientation);

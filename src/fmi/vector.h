@@ -96,6 +96,13 @@ static inline Quaternion compose(Quaternion a, Quaternion b)
                       a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w);
 }
 
+/* The Hamilton product q (0, v). */
+static inline Quaternion compose_vector(Quaternion q, Vector v)
+{
+    return quaternion(-q.x * v.x - q.y * v.y - q.z * v.z, q.w * v.x + q.y * v.z - q.z * v.y,
+                      q.w * v.y + q.z * v.x - q.x * v.z, q.w * v.z + q.x * v.y - q.y * v.x);
+}
+
 static inline Quaternion conjugate(Quaternion q)
 {
     return quaternion(q.w, -q.x, -q.y, -q.z);
@@ -151,6 +158,14 @@ static inline Vector to_world(Rotation r, Vector v)
 static inline Vector to_body(Rotation r, Vector v)
 {
     return vector(dot(r.x, v), dot(r.y, v), dot(r.z, v));
+}
+
+/* World axes to body axes, for a q of length 1 only. */
+static inline Vector unit_rotate_back(Quaternion q, Vector v)
+{
+    Vector u = vector(q.x, q.y, q.z);
+    Vector twice = scale(2.0, cross(v, u));
+    return add(add_scaled(v, q.w, twice), cross(twice, u));
 }
 
 /* dq/dt = (0, w) q / 2 for an angular velocity w in world axes. */
