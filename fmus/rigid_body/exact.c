@@ -9,7 +9,8 @@
  * v = pi u / 2K, q the nome of the momentum, b = pi s / 2K and cd(s, k') = A_z. The zeros of theta4
  * and theta1 are zeros of 1 + A_z dn u and of 1 - A_z dn u: those where the phase of alpha,
  *     d arg(alpha) / dt = (a_z L + (2 E - a_z L^2) / (L + m_z)) / 2,   a = 1 / I,
- * has a pole of the same residue; its value at u = 0 gives mu. No angle is unwound, and no integral of the third kind is left.
+ * has a pole of the same residue; its value at u = 0 gives mu. No angle is unwound, and no integral of
+ * the third kind is left.
  *
  * Near the separatrix q tends to 1 and Jacobi's imaginary transformation takes over: hyperbolic
  * functions of the distance from the nearest turn. In both forms the terms fall as exp(-pi n^2) or
@@ -25,7 +26,7 @@
 enum { DIRECT_TERMS = 8, COMPLEMENTARY_TERMS = 4 };
 
 typedef struct FreeMotion {
-    double start, rate;         /* the phase, v in the direct form and u in the complementary one, and 1/s of it */
+    double start, rate;         /* of the phase: v in the direct form, u in the complementary one */
     double precession_rate;     /* mu, rad/s */
     double cosine[DIRECT_TERMS], sine[DIRECT_TERMS]; /* coefficients of the terms */
     Quaternion basis[4];        /* what 1, x, y, z of the canonical quaternion are in the world */

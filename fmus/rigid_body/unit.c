@@ -7,8 +7,6 @@
 #include "taylor.c"
 #include "exact.c"
 
-#include <string.h>
-
 /* No mass distribution has one principal moment larger than the other two together. */
 static Status rigid_body_check(const RigidBody *body, Log *log)
 {
@@ -82,20 +80,28 @@ static Status fixed_steps(RigidBody *body, const LinearLoads *loads, double step
 
 _Static_assert(sizeof(FreeMotion) == sizeof ((RigidBody *)0)->free_motion, "unit.toml: size of free_motion");
 
+static bool same_vector(Vector a, Vector b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+static bool same_quaternion(Quaternion a, Quaternion b)
+{
+    return a.w == b.w && a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
 /* The closed form, on from where it has arrived; set up anew where anything else has moved the body. */
 static void free_steps(RigidBody *body, double step, Motion *motion)
 {
-    FreeMotion free;
-    if (memcmp(&motion->orientation, &body->free_orientation, sizeof(Quaternion)) != 0 ||
-        memcmp(&motion->angular_momentum, &body->free_momentum, sizeof(Vector)) != 0) {
-        free = free_motion_setup(body->inertia, motion->orientation, motion->angular_momentum);
-        memcpy(body->free_motion, &free, sizeof free);
+    FreeMotion *free = (FreeMotion *)(void *)body->free_motion;
+    if (!same_quaternion(motion->orientation, body->free_orientation) ||
+        !same_vector(motion->angular_momentum, body->free_momentum)) {
+        *free = free_motion_setup(body->inertia, motion->orientation, motion->angular_momentum);
         body->free_since = body->time;
         body->free_momentum = motion->angular_momentum;
     }
-    memcpy(&free, body->free_motion, sizeof free);
     /* a difference of times, not a sum of steps: no rounding adds up */
-    motion->orientation = free_motion_attitude(&free, body->time + step - body->free_since);
+    motion->orientation = free_motion_attitude(free, body->time + step - body->free_since);
     body->free_orientation = motion->orientation;
 }
 
