@@ -1,0 +1,1 @@
+"""Charts of accuracy against speed: `ulna chart rigid-body`, or `python -m ulna.charts rigid-body`."""
