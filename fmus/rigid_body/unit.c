@@ -105,6 +105,16 @@ static void free_steps(RigidBody *body, double step, Motion *motion)
     body->free_orientation = motion->orientation;
 }
 
+static double least(Vector v)
+{
+    return fmin(v.x, fmin(v.y, v.z));
+}
+
+static double largest(Vector v)
+{
+    return fmax(v.x, fmax(v.y, v.z));
+}
+
 /* Translation needs no steps at all; rotation takes those that it needs. */
 static Status chosen_steps(RigidBody *body, const LinearLoads *loads, double step, Motion *motion, Log *log)
 {
@@ -114,7 +124,9 @@ static Status chosen_steps(RigidBody *body, const LinearLoads *loads, double ste
         return STATUS_OK;
     }
     double tolerance = body->solver == RIGID_BODY_SOLVER_EXACT ? TAYLOR_ROUND_OFF : body->tolerance;
-    return taylor_motion(body, loads, tolerance, step, motion, log);
+    /* the rate follows from L and the attitude, whose error a slender body multiplies */
+    double slender = least(body->inertia) / largest(body->inertia);
+    return taylor_motion(body, loads, fmax(slender * tolerance, TAYLOR_ROUND_OFF), step, motion, log);
 }
 
 static Status rigid_body_step(RigidBody *body, double step, Log *log)

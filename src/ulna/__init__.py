@@ -11,7 +11,9 @@ _PUBLIC = {
     "fmu": "ulna.paths",
 }
 
-__all__ = list(_PUBLIC)
+_MODULES = ("inertia",)
+
+__all__ = [*_PUBLIC, *_MODULES]
 __version__ = "0.1.0"
 
 
@@ -19,4 +21,6 @@ def __getattr__(name: str) -> Any:
     # loaded on first use: the build runs ulna.generate where numpy and fmpy are not installed
     if name in _PUBLIC:
         return getattr(import_module(_PUBLIC[name]), name)
+    if name in _MODULES:
+        return import_module(f"ulna.{name}")
     raise AttributeError(f"module 'ulna' has no attribute {name!r}")

@@ -15,6 +15,7 @@ from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from .charts.command import chart
 from .checks.command import check
 from .description import read_description
 from .gallery import Example, load, scenes
@@ -27,6 +28,7 @@ from .report import summary
 from .results import Results
 from .scene import Scene
 from .slave import UnitError
+from .stability.command import stability
 
 FAILED = 1
 WRONG = 2
@@ -35,6 +37,8 @@ MISTAKES = (KeyError, AttributeError, ValueError, TypeError, FileNotFoundError, 
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 app.command()(check)
+app.command()(chart)
+app.command()(stability)
 console = Console()
 errors = Console(stderr=True)
 
