@@ -125,7 +125,8 @@ static Status chosen_steps(RigidBody *body, const LinearLoads *loads, double ste
     }
     double tolerance = body->solver == RIGID_BODY_SOLVER_EXACT ? TAYLOR_ROUND_OFF : body->tolerance;
     /* the rate follows from L and the attitude, whose error a slender body multiplies */
-    double slender = least(body->inertia) / largest(body->inertia);
+    double ratio = least(body->inertia) / largest(body->inertia);
+    double slender = ratio < 0.1 ? ratio : 1.0;
     return taylor_motion(body, loads, fmax(slender * tolerance, TAYLOR_ROUND_OFF), step, motion, log);
 }
 
