@@ -56,7 +56,8 @@ def test_names_that_are_not_given_stay_free(sources):
 def test_states_and_solvers_are_those_of_the_unit(sources):
     lifted = lifting.lift(sources)
     assert lifted.states == ["position", "orientation", "linear_momentum", "angular_momentum"]
-    assert set(lifted.solvers) == set(lifted.header.solvers) >= {"explicit_euler", "notes", "rk4"}
+    # the others iterate or choose their steps: no single formula to trace
+    assert set(lifted.solvers) == {"explicit_euler", "notes", "splitting", "rk4"} < set(lifted.header.solvers)
 
 
 def test_a_change_of_the_sources_is_traced_anew(sources, cache):
