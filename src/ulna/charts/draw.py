@@ -7,13 +7,13 @@ from pathlib import Path
 from textwrap import fill
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from ..pictures import save
 from .fronts import cheapest, cost, front, solvers_of
 from .measure import COMMUNICATION, Point
 from .problems import Problem
@@ -60,10 +60,7 @@ def draw(problems: Sequence[Problem], points: Sequence[Point], work: str, notes:
         f"Lower is cheaper, further right is more accurate. Grey: the Pareto front. The band along each axis {band}"
     )
     figure.text(0.05, 0.929, caption, fontsize=11.5, color="#333333")
-    # text as text, which can be searched; and the same bytes for the same points
-    with rc_context({"svg.fonttype": "none", "svg.hashsalt": "ulna"}):
-        for path in paths:
-            figure.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else None)
+    save(figure, paths)
 
 
 def _panel(ax: Axes, problem: Problem, known: list[Point], work: str) -> None:

@@ -5,11 +5,11 @@ from os import PathLike
 from typing import Any
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from ..pictures import save
 from . import theory
 from .measuring import LEAST, LEAST_QUICK, LEAST_SPRING
 from .tumbling import INERTIA, LARGEST
@@ -43,10 +43,7 @@ def draw(found: dict[str, Any], *paths: str | PathLike) -> None:
     _norms(figure.add_subplot(grid[2, 6:9]), found)
     _moments(figure.add_subplot(grid[2, 9:12]), found)
     figure.suptitle("Where methods fail: RigidBody and HingedBody, measured through the FMUs", fontsize=16)
-    # the same measurements give the same bytes
-    with rc_context({"svg.hashsalt": "ulna"}):
-        for path in paths:
-            figure.savefig(path, metadata={"Date": None} if str(path).endswith(".svg") else None)
+    save(figure, paths)
 
 
 def _words(name: str) -> str:
