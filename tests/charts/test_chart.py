@@ -111,7 +111,7 @@ def test_closed_form_does_not_depend_on_the_communication_step() -> None:
 
 
 def test_mujoco_is_timed_without_the_profiler_that_its_python_package_installs() -> None:
-    pytest.importorskip("mujoco")
+    pytest.importorskip("mujoco", reason="install it with: pip install mujoco")
     run = peers.MujocoRun(ALL["driven_hinge"], "RK4", 0.01)
     before, seen = run.profiler.value, []
     loop = run._driver
@@ -126,7 +126,7 @@ def test_mujoco_is_timed_without_the_profiler_that_its_python_package_installs()
 
 @pytest.mark.parametrize("problem", ALL.values(), ids=ALL)
 def test_mujoco_moves_the_same_body(problem: Problem) -> None:
-    pytest.importorskip("mujoco")
+    pytest.importorskip("mujoco", reason="install it with: pip install mujoco")
     run = peers.MujocoRun(problem, "RK4", 0.01)
     run()
     assert problem.error(run.place()) < 1e-4  # of order four in h w = 0.12, and 1e-5 for the unit's rk4
