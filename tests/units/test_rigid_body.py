@@ -123,9 +123,6 @@ def exact(parameters: dict, end: float, inputs: dict) -> dict[str, np.ndarray]:
 exact_tumble = cache(lambda end, load: exact(TUMBLE, end, LOADS[load]))
 
 
-# --- translation ----------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
 @pytest.mark.parametrize(("solver", "offset"), [("explicit_euler", -0.5), ("notes", 0.5), ("rk4", 0.0)])
 def test_free_flight_is_the_parabola_but_for_the_known_offset(solver: str, offset: float, version: str) -> None:
