@@ -67,8 +67,9 @@ static Status adaptive_swing(const Hinge *hinge, Swing *swing, double step, doub
     while (elapsed < step) {
         double speed = fastest(hinge, series.swayed, *swing, elapsed), rest = step - elapsed;
         double h = speed * rest > longest ? longest / speed : rest;
-        /* terms may grow up to this order, and a turned anchor may take some orders to be felt */
-        int least = 2 + (int)(speed * h) + (hinge->turned ? 4 : 0);
+        /* terms may grow up to this order, and a turned anchor may take some orders to be felt; fmin also
+         * where inputs overflow, which the part of the step that fits then tells */
+        int least = 2 + (int)fmin(speed * h, longest) + (hinge->turned ? 4 : 0);
         double angle_limit = allowed(tolerance, h, swing->angle), rate_limit = allowed(tolerance, h, swing->rate);
         int order = 0, small = 0;
         start_series(&series, hinge, *swing, anchor, elapsed, h);

@@ -1,4 +1,4 @@
-"""RigidBody says once that an internal step is beyond the limit of its solver; solvers that choose their steps never do."""
+"""RigidBody says once that an internal step is beyond its solver's limit; solvers that choose their steps never do."""
 
 import pytest
 
