@@ -12,7 +12,7 @@ demo: build
 test: build .venv/importers
 	cmake --preset sanitize -DPython3_EXECUTABLE=$(CURDIR)/$(BIN)/python
 	cmake --build --preset sanitize --parallel $(JOBS)
-	ctest --preset sanitize
+	ctest --preset sanitize --parallel $(JOBS)
 	$(BIN)/ruff check .
 	$(BIN)/python -m pytest -n $(JOBS)
 

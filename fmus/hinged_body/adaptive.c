@@ -58,7 +58,7 @@ static double sway(const SwingSeries *series)
 static Status adaptive_swing(const Hinge *hinge, Swing *swing, double step, double tolerance, Log *log)
 {
     /* beyond that the largest order is not enough for any tolerance, and below that many steps no one waits */
-    static const double longest = 8.0, shortest = 1e-9;
+    static const double longest = 8.0, shortest = 1e-5;
     enum { enough = 3 };
     SwingSeries series;
     Rotation anchor = rotation(hinge->body->anchor_orientation);

@@ -185,9 +185,9 @@ static Status taylor_motion(const RigidBody *body, const LinearLoads *loads, dou
     while (elapsed < step) {
         double left = step - elapsed, h = left;
         Motion next = taylor_step(body, loads, tolerance, most, *motion, elapsed, &h);
-        if (!(h > 1e-9 * step)) {
+        if (!(h > 1e-6 * step)) {
             return report(log, STATUS_ERROR,
-                          "the body turns so fast that tolerance = %g rad/s takes more than 1e9 steps in %g s",
+                          "the body turns so fast that tolerance = %g rad/s takes more than 1e6 steps in %g s",
                           tolerance, step);
         }
         *motion = next;
