@@ -83,7 +83,7 @@ def series_against_rk4(points: Sequence[Point]) -> Iterator[Statement]:
 
 
 def bare_function(problem: Problem, rounds: int) -> Iterator[Statement]:
-    """One doStep of the closed form through FMI's C interface, and the function by itself."""
+    """One doStep of the closed form through FMI's C interface, and the step function of the unit by itself."""
     runner = Runner(problem)
     state = runner.start("exact")
     runner.slave.restore(state)
@@ -99,7 +99,7 @@ def bare_function(problem: Problem, rounds: int) -> Iterator[Statement]:
     )
     step, alone = np.median(times, axis=0)
     yield Statement(
-        "exact: one doStep over the bare function",
+        "exact: one doStep over the step function of the unit",
         step / alone,
         1.3,
         True,
