@@ -21,6 +21,7 @@ BASE_UNITS = {
     "s": (0, 0, 1),
     "N": (1, 1, -2),
     "J": (2, 1, -2),
+    "W": (2, 1, -3),
     "Hz": (0, 0, -1),
 }
 """Exponents of metre, kilogram and second."""

@@ -22,7 +22,7 @@ sys.path.append(str(Path(__file__).parents[1]))
 from toy_fmu import toy
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "check_my_fmu" / "pendulum.py"
-UNITS = ("RigidBody", "HingedBody", "ArmSkin", "UltrasonicSensor")
+UNITS = ("RigidBody", "HingedBody", "CompliantJoint", "ArmSkin", "UltrasonicSensor")
 
 TOY_MODEL = """
 def equations(values):

@@ -10,7 +10,7 @@ from casadi import SX
 from ulna.checks.identity import range_of, vanishes
 from ulna.checks.textbook import load_model
 
-UNITS = ("rigid_body", "hinged_body", "arm_skin", "ultrasonic_sensor")
+UNITS = ("rigid_body", "hinged_body", "compliant_joint", "arm_skin", "ultrasonic_sensor")
 
 
 @cache

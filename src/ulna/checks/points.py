@@ -12,6 +12,8 @@ from .identity import RANGE, Samples, range_of
 
 RANDOM_POINTS = 4
 DRAWS = 200
+HUGE = 1e75
+"""Its fourth power is still a number: a damper's power has a rate and a length, both squared."""
 
 Draw = Callable[[random.Random], dict[str, np.ndarray]]
 
@@ -67,7 +69,7 @@ def points(built: Built, draw: Draw, *, adversarial: bool) -> Iterator[dict[str,
     source = random.Random(20)
     moving = [*built.states, *(v.name for v in built.numbers("input"))]
     awkward = [
-        lambda p: _scaled(p, moving, 1e100),
+        lambda p: _scaled(p, moving, HUGE),
         lambda p: _scaled(p, moving, 1e-90),
         _nearly_equal,
         lambda p: _of_length(p, moving, 0.51),
