@@ -143,6 +143,7 @@ static void check_combinations(Kind kind, uint64_t digest)
     } wrong[] = {
         {"RigidBody", "inertia", {1.0, 1.0, 3.0}},      {"HingedBody", "inertia", {1.0, 1.0, 3.0}},
         {"HingedBody", "axis", {0.0, 0.0, 0.0}},        {"HingedBody", "axis", {2.0, 0.0, 0.0}},
+        {"CompliantJoint", "axis", {0.0, 0.0, 0.0}},    {"CompliantJoint", "axis", {0.0, -1.0, 1e-4}},
         {"ArmSkin", "radius", {5.0}},                   {"ArmSkin", "blend_half_width", {5.0}},
         {"UltrasonicSensor", "period", {1e-6}},         {"UltrasonicSensor", "minimum_range", {50.0}},
         {"UltrasonicSensor", "velocity", {400.0, 0, 0}},

@@ -22,6 +22,7 @@ HELD = {"axis", "solver_step", "tolerance"}  # of unit length within 1e-9; at th
 GENERIC = {
     "RigidBody": {"inertia": [2.0, 2.5, 3.0], "initial_orientation": [0.9, 0.1, -0.3, 0.2]},
     "HingedBody": {"inertia": [0.05, 0.06, 0.07], "axis": [0.6, 0.0, 0.8], "friction": 0.5},
+    "CompliantJoint": {"axis": [0.6, 0.0, 0.8], "friction": 0.5},
 }
 
 

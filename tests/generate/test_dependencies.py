@@ -48,8 +48,8 @@ class Probe:
         self.fmu.instantiate()
         parameters = [v for v in self.description.modelVariables if v.causality == "parameter" and v.type == "Real"]
         # zeros would hide what they multiply; other start values are sound together, and stay
-        zeros = [v for v in parameters if float(v.start) == 0.0 and stem(v.name) not in UNIT_VECTORS]
-        self.fmu.setReal([v.valueReference for v in zeros], self.numbers(name, zeros))
+        drawn = [v for v in parameters if float(v.start) == 0.0 or stem(v.name) in UNIT_VECTORS]
+        self.fmu.setReal([v.valueReference for v in drawn], self.numbers(name, drawn))
         choices = [v for v in self.description.modelVariables if v.causality == "parameter" and v.type == "Enumeration"]
         entries = [1 + seed % len(v.declaredType.items) for v in choices]
         self.fmu.setInteger([v.valueReference for v in choices], entries)
@@ -62,12 +62,12 @@ class Probe:
         self.values = np.array(self.numbers(name, self.knowns))
 
     def numbers(self, name: str, variables: list[ModelVariable]) -> list[float]:
-        """Random values around the starts, within the limits; unit quaternions of any attitude."""
+        """Random values around the starts, within the limits; unit quaternions and unit vectors of any direction."""
         values: list[float] = []
         for array, group in groupby(variables, key=lambda v: stem(v.name)):
             elements = list(group)
             draw = self.random.standard_normal(len(elements))
-            if declaration(name).by_name(array).quaternion and len(elements) == 4:
+            if array in UNIT_VECTORS or (declaration(name).by_name(array).quaternion and len(elements) == 4):
                 values += list(draw / np.linalg.norm(draw))
                 continue
             for v, x in zip(elements, draw, strict=True):

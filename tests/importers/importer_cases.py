@@ -42,6 +42,13 @@ MOTION = {
         "anchor_acceleration": (0.3, -0.2, 1.0),
         "tip_force": (0.5, 0.0, 2.0),
     },
+    "CompliantJoint": {
+        "friction": 0.5,
+        "first_position": (0.01, 0.0, 0.02),
+        "first_velocity": (0.2, -0.1, 0.3),
+        "second_orientation": (0.8, 0.1, 0.58, 0.1),
+        "second_angular_velocity": (0.5, 2.0, -1.0),
+    },
     "ArmSkin": {"forearm_orientation": (0.8, 0.0, 0.6, 0.0), "forearm_position": (0.31, 0.0, 0.01)},
     "UltrasonicSensor": {"plane_point": (1.5, 0.0, 0.0), "plane_normal": (-1.0, 0.1, 0.0), "period": 1 / 64},
 }
