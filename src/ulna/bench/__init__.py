@@ -17,6 +17,7 @@ ROUNDS = 101
 UNITS = {
     "RigidBody": "rigid_body",
     "HingedBody": "hinged_body",
+    "CompliantJoint": "compliant_joint",
     "ArmSkin": "arm_skin",
     "UltrasonicSensor": "ultrasonic_sensor",
 }
