@@ -1,4 +1,4 @@
-"""Ecos (through ecospy): loads every unit, and steps a coupled pair as our own master does.
+"""Ecos (through ecospy): loads every unit, and steps coupled units as our own master does.
 
 Its master is Jacobi: connections are passed on in initialization and after the step of all instances. What it is asked
 for it reads then, after the exchange: an output that depends directly on inputs is a step ahead of our rows, so states
@@ -13,11 +13,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from coupled_pair import ARM, BODY, STEP, STEPS, TO_ARM, TO_BODY, WATCHED, elements, our_rows, scene
+from coupled_scenes import HINGED, STEPS, each_coupled, elements
 from importer_cases import each_unit, each_version, needs
 
 import ulna
 from ulna.description import read_description
+
+STEP = HINGED.step
 
 
 @pytest.fixture
@@ -52,36 +54,32 @@ def test_every_unit_loads_and_steps(ecos, name, version):
     assert scalar
 
 
-def test_a_coupled_pair_moves_as_under_our_own_master_to_the_bit(ecos):
-    described = {
-        unit: read_description(ulna.fmu(name, "2.0")).variables
-        for unit, name in (("body", "RigidBody"), ("arm", "HingedBody"))
-    }
+@each_coupled
+def test_coupled_units_move_as_under_our_own_master_to_the_bit(ecos, coupled):
+    described = {unit: read_description(ulna.fmu(name, "2.0")).variables for unit, (name, _) in coupled.units.items()}
 
     def names(unit: str, variable: str) -> list[str]:
         return [f"{unit}::{element}" for element in elements(described[unit][variable])]
 
     parameters = {
         name: float(x)
-        for unit, values in (("body", BODY), ("arm", ARM))
+        for unit, (_, values) in coupled.units.items()
         for variable, value in values.items()
         for name, x in zip(names(unit, variable), np.ravel(value), strict=True)
     }
     rows = []
     with ecos.EcosSimulationStructure() as structure:
-        structure.add_model("body", str(ulna.fmu("RigidBody", "2.0")))
-        structure.add_model("arm", str(ulna.fmu("HingedBody", "2.0")))
+        for unit, (name, _) in coupled.units.items():
+            structure.add_model(unit, str(ulna.fmu(name, "2.0")))
         structure.add_parameter_set("start", parameters)
-        for source, target, pairs in (("body", "arm", TO_ARM), ("arm", "body", TO_BODY)):
-            for output, taker in pairs.items():
-                for one, other in zip(names(source, output), names(target, taker), strict=True):
-                    structure.make_real_connection(one, other)
-        with ecos.EcosSimulation(STEP, structure=structure) as simulation:
+        for source, output, target, taker in coupled.pairs():
+            for one, other in zip(names(source, output), names(target, taker), strict=True):
+                structure.make_real_connection(one, other)
+        with ecos.EcosSimulation(coupled.step, structure=structure) as simulation:
             assert simulation.init(0, "start")
             for _ in range(STEPS):
                 row = [simulation.step()]
-                for unit, variables in WATCHED.items():
+                for unit, variables in coupled.watched.items():
                     row += [simulation.get_real(name) for variable in variables for name in names(unit, variable)]
                 rows.append(row)
-    expected = our_rows(scene())
-    np.testing.assert_array_equal(rows, expected[1:])
+    np.testing.assert_array_equal(rows, coupled.rows()[1:])
