@@ -72,12 +72,12 @@ def test_units_match_by_their_si_base_and_not_by_their_names(pair):
 def test_an_input_takes_one_driver_only(pair):
     a, b = pair["a"], pair["b"]
     pair.connect(a.x, b.u)
-    with pytest.raises(ValueError, match=r"a\.y .* to b\.u .*: a\.x .* is connected to it already"):
+    with pytest.raises(ValueError, match=r"a\.y .* to b\.u .*: a\.x .* is connected to b.u already"):
         pair.connect(a.y, b.u)
-    with pytest.raises(ValueError, match=r"drive b\.u .* by a signal: a\.x .* is connected to it already"):
+    with pytest.raises(ValueError, match=r"drive b\.u .* by a signal: a\.x .* is connected to b.u already"):
         pair.signal(b.u, lambda t: [t, t, t])
     pair.signal(a.u, lambda t: [t, t, t])
-    with pytest.raises(ValueError, match="a signal drives it already"):
+    with pytest.raises(ValueError, match=r"a signal drives a\.u already"):
         pair.connect(b.x, a.u)
 
 
@@ -303,7 +303,8 @@ def test_algebraic_loops_are_told_from_loops_through_states():
         assert scene.loops() == []
         scene.connect(b.x, a.u)
         (loop,) = scene.loops()
-    assert (loop.units, loop.broken, loop.algebraic) == (("a", "b"), ("b.x -> a.u",), ())
+    # b.u reaches no output that is connected, so an old value there makes no row inconsistent
+    assert (loop.units, loop.broken, loop.algebraic) == (("b", "a"), ("a.y -> b.u",), ())
     with Scene() as scene:
         a, b = scene.add(toy(), "a"), scene.add(toy(), "b")
         scene.connect(a.y, b.u)

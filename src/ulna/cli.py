@@ -17,6 +17,7 @@ from rich.table import Table
 
 from .charts.command import chart
 from .checks.command import check
+from .coupling import CouplingError
 from .description import read_description
 from .gallery import Example, load, scenes
 from .gltf import write_glb
@@ -35,6 +36,8 @@ WRONG = 2
 # What a wrong name, path or value raises.
 MISTAKES = (KeyError, AttributeError, ValueError, TypeError, FileNotFoundError, ModuleNotFoundError)
 
+Failure = UnitError | CouplingError
+
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 app.command()(check)
 app.command()(chart)
@@ -49,6 +52,10 @@ def run(
     until: Annotated[float | None, typer.Option(help="End of the run, s.")] = None,
     step: Annotated[float | None, typer.Option(help="Step of the master, s.")] = None,
     master: Annotated[str | None, typer.Option(help=f"How units step together: {', '.join(MASTERS)}.")] = None,
+    extrapolation: Annotated[int, typer.Option(help="Order, 0 or 1, in which inputs go on over a step.")] = 0,
+    tolerance: Annotated[
+        float | None, typer.Option(help="Error of an input, relative, by which the macro step is chosen.")
+    ] = None,
     settings: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="UNIT.PARAMETER=VALUE", help="Value of a parameter; repeatable."),
@@ -59,7 +66,7 @@ def run(
     with _mistakes(scene):
         example = load(scene)
         master = master or example.master
-        if master not in MASTERS:
+        if master is not None and master not in MASTERS:
             raise KeyError(unknown("ulna", "master", master, MASTERS))
         built = example.build()
         if not isinstance(built, Scene):
@@ -69,13 +76,15 @@ def run(
     with built:
         until, step = example.until if until is None else until, example.step if step is None else step
         with _mistakes(scene, (ValueError,)):
-            results, failure = _simulate(built, until, step, master)
+            results, failure = _simulate(
+                built, until, step, master=master, extrapolation=extrapolation, tolerance=tolerance
+            )
         folder = out or Path("results") / example.name
         written = _write(results, built, folder) if results else []
         if failure:
             _print_failure(failure, built)
         else:
-            _print_summary(example, results, master)
+            _print_summary(example, results)
     if written:
         console.print(f"{folder}: {', '.join(written)}", markup=False, highlight=False)
     if failure:
@@ -184,16 +193,14 @@ def _value(text: str) -> Any:
         return text
 
 
-def _simulate(scene: Scene, until: float, step: float, master: str) -> tuple[Results | None, UnitError | None]:
+def _simulate(scene: Scene, until: float, step: float, **how: Any) -> tuple[Results | None, Failure | None]:
     """What was recorded, and the failure that ended the run."""
     columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task(scene.name, total=until)
         try:
-            return scene.run(
-                until, step, master=master, progress=lambda time: progress.update(task, completed=time)
-            ), None
-        except UnitError as error:
+            return scene.run(until, step, progress=lambda time: progress.update(task, completed=time), **how), None
+        except (UnitError, CouplingError) as error:
             return error.results, error
 
 
@@ -216,15 +223,18 @@ def _write(results: Results, scene: Scene, folder: Path) -> list[str]:
     return written
 
 
-def _print_failure(error: UnitError, scene: Scene) -> None:
+def _print_failure(error: Failure, scene: Scene) -> None:
+    if isinstance(error, CouplingError):
+        errors.print(f"[bold red]the units cannot be stepped[/]: {escape(str(error))}", highlight=False)
+        return
     title = f"[bold red]{escape(error.unit)} failed[/] at t = {error.time:.9g} s: {error.call} returned {error.status}"
     errors.print(title, highlight=False)
     for status, category, message in scene[error.unit].slave.messages.latest:
         errors.print(f"  {status} {category}: {message}", markup=False, highlight=False)
 
 
-def _print_summary(example: Example, results: Results, master: str) -> None:
-    table = Table(show_header=False, title=f"{example.name}, {master}", title_justify="left")
+def _print_summary(example: Example, results: Results) -> None:
+    table = Table(show_header=False, title=f"{example.name}, {results.summary['master']}", title_justify="left")
     for what, value in summary(results):
         table.add_row(escape(what), escape(value))
     console.print(table)

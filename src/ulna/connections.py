@@ -75,6 +75,18 @@ class Connection:
 
 
 @dataclass(frozen=True)
+class Bond:
+    """A frame connected to a frame: one gives its motion, the other a wrench, and energy passes."""
+
+    members: tuple[tuple[Connection, Connection], ...]
+    """Force with velocity, torque with angular velocity: each wrench, and the motion that it works on."""
+
+
+# Wrench -> the motion that it works on, by the names of members.
+CONJUGATE = {"force": "velocity", "torque": "angular_velocity"}
+
+
+@dataclass(frozen=True)
 class Signal:
     """An input that follows a function of time, in seconds."""
 
@@ -106,13 +118,14 @@ def connect_ends(source: End, target: End, factor: float | None, offset: float |
     return Connection(source, target, 1.0 if factor is None else float(factor), float(offset or 0.0))
 
 
-def connect_frames(first: Frame, second: Frame) -> list[Connection]:
+def connect_frames(first: Frame, second: Frame) -> tuple[list[Connection], list[Bond]]:
     """Connects the members that both frames have, each from its output to its input, whichever side that is on.
 
     Motion so goes one way and the wrench comes back. Members that only one side has are left as they are; a member
-    that both sides put out is a contradiction that no explicit connection can settle.
+    that both sides put out is a contradiction that no explicit connection can settle. Where motion and wrench pass
+    each other there is a bond as well.
     """
-    connections = []
+    connections: dict[str, Connection] = {}
     for name in [name for name in first.members if name in second.members]:
         ends = [first.members[name], second.members[name]]
         outputs = [end for end in ends if end.variable.causality == "output"]
@@ -120,7 +133,14 @@ def connect_frames(first: Frame, second: Frame) -> list[Connection]:
             raise ValueError(f"cannot connect {first} to {second}: both put out {name}; one side must take it")
         if len(outputs) == 1:
             ends.sort(key=lambda end: end.variable.causality != "output")
-            connections.append(connect_ends(*ends, None, None))
+            connections[name] = connect_ends(*ends, None, None)
     if not connections:
         raise ValueError(f"cannot connect {first} to {second}: no member of one is an input of the other")
-    return connections
+    members = tuple(
+        (connections[wrench], connections[motion])
+        for wrench, motion in CONJUGATE.items()
+        if wrench in connections
+        and motion in connections
+        and connections[wrench].source.unit is connections[motion].target.unit
+    )
+    return list(connections.values()), [Bond(members)] if members else []

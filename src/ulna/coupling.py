@@ -12,8 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from .connections import Connection, End, Signal
-from .slave import WARNING, Port, Slave
+from .connections import Bond, Connection, End, Signal
+from .joints import Joint, motion_ends, wrench_ends
+from .messages import WARNING
+from .port import Port
+from .slave import Slave
+from .slopes import SlopePort, slope_port
 
 Call = tuple[Callable[..., int], tuple, Slave, str]
 """A C function, its arguments, whose it is and its name."""
@@ -34,11 +38,18 @@ class Stage:
     calls: list[Call] = field(default_factory=list)
 
 
+class CouplingError(RuntimeError):
+    """The units cannot be stepped together as asked; `results` holds what a run recorded before."""
+
+    results: Any = None
+
+
 class Coupling:
     """The units of a scene with their connections, ready to be stepped by a master.
 
     `order` is the order of the units that respects their dependencies. `time` and `step` are the numbers that every
-    step call reads. `stage` and `run` are all that a master needs beside them.
+    step call reads. `stage` and `run` are all that a master of order 0 needs beside them; those that draw lines through
+    the inputs, or repeat steps, take the calls of each unit one by one.
     """
 
     def __init__(
@@ -48,6 +59,8 @@ class Coupling:
         connections: Sequence[Connection],
         signals: Sequence[Signal],
         recorded: Iterable[End],
+        bonds: Sequence[Bond] = (),
+        joints: Sequence[Joint] = (),
     ):
         """Lays out the buffers: `recorded` and all sources are read after a step, all targets are written before it."""
         self.slaves = slaves
@@ -55,16 +68,44 @@ class Coupling:
         self.order = list(order)
         self.time = c_double()
         self.step = c_double()
-        read = dict.fromkeys([*recorded, *(connection.source for connection in connections)])
-        written = {item.target: item for item in sorted([*connections, *signals], key=_cost)}
+        self.figures: dict[str, float] = {}
+        """What a master counts, for the summary."""
+        self.late: frozenset[Connection] = frozenset()
+        """Connections whose value at the end of a step is not known when the step begins, by the master."""
+        self.lines = False
+        """Whether inputs are straight lines over a step; else they are held."""
+        self.memory: list[np.ndarray] = []
+        """What a master remembers of the steps before: taken back with the units when a step is."""
+        self.own_error = 0.0
+        """Of the last step, what a master knows besides the connections, over its size."""
+        self.bonds, self.joints = list(bonds), list(joints)
+        self.kinetic, self.potential = (_energies(bonds, name) for name in ("kinetic_energy", "potential_energy"))
+        """Energies of the units that bonds join, as far as they put them out."""
+        watched = [*self.kinetic, *self.potential, *(end for joint in joints for end in motion_ends(joint))]
+        read = dict.fromkeys([*recorded, *(connection.source for connection in connections), *watched])
+        written = dict.fromkeys(item.target for item in sorted([*connections, *signals], key=_cost))
+        written |= dict.fromkeys(end for joint in joints for end in wrench_ends(joint))
         self.outputs, self._output_places, self._getters = _lay_out(slaves, read, Slave.getter)
         self.inputs, self._input_places, self._setters = _lay_out(slaves, written, Slave.setter)
-        self._signals = {name: self._watch(signals, name) for name in slaves}
-        self._transfers = {name: self._plan([c for c in connections if c.target.unit.name == name]) for name in slaves}
+        self.probed, self._probe_places, self._probes = _lay_out(slaves, _direct_wrenches(bonds), Slave.getter)
+        """Wrenches that depend directly on the motion that they work on, as they are when a step begins."""
+        self.connections = list(connections)
+        self._driven = frozenset(written)
+        self.signals = {name: self._watch(signals, name) for name in slaves}
+        self.transfers = {name: self._plan([c for c in connections if c.target.unit.name == name]) for name in slaves}
 
     def output(self, end: End) -> np.ndarray:
         """Where a variable that is read lies, flat."""
         return _view(self.outputs, self._output_places[end])
+
+    def reads(self, end: End | None) -> bool:
+        """Whether a variable is read."""
+        return end in self._output_places
+
+    def probe(self, end: End) -> slice | None:
+        """Where the wrench of a bond lies in `probed`, if it is read there."""
+        place = self._probe_places.get(end)
+        return slice(*place[1:]) if place else None
 
     def place(self, end: End) -> Place:
         """Array, first element and one past the last of a variable that is read."""
@@ -79,21 +120,81 @@ class Coupling:
         initialization), and reads their outputs."""
         stage = Stage()
         for name in units:
-            stage.signals += self._signals[name]
-            stage.transfers += self._transfers[name]
-        stage.calls += [_call(port) for name in units for port in self._setters[name]]
+            stage.signals += self.signals[name]
+            stage.transfers += self.transfers[name]
+        stage.calls += self.sets(units)
         if step:
-            stage.calls += [self._step_call(self.slaves[name]) for name in units]
-        stage.calls += [_call(port) for name in units for port in self._getters[name]]
+            stage.calls += [_call(port) for name in units for port in self._probes[name]]
+            stage.calls += self.steps(units)
+        stage.calls += self.gets(units)
         return stage
+
+    def sets(self, units: Sequence[str]) -> list[Call]:
+        """Calls that set the inputs of these units."""
+        return [_call(port) for name in units for port in self._setters[name]]
+
+    def gets(self, units: Sequence[str]) -> list[Call]:
+        """Calls that read their outputs."""
+        return [_call(port) for name in units for port in self._getters[name]]
+
+    def steps(self, units: Sequence[str]) -> list[Call]:
+        """Calls that step them."""
+        slaves = [self.slaves[name] for name in units]
+        return [(*slave.step_call(self.time, self.step), slave, f"fmi{slave.version[0]}DoStep") for slave in slaves]
+
+    def rollbacks(self, units: Sequence[str]) -> tuple[list[Call], list[Call]]:
+        """Calls that save their states, and that go back to them; raises ValueError for a unit that cannot."""
+        calls: tuple[list[Call], list[Call]] = ([], [])
+        for slave in (self.slaves[name] for name in units):
+            for way, ways, invocation in zip(("Get", "Set"), calls, slave.rollback_calls(), strict=True):
+                ways.append((*invocation, slave, f"fmi{slave.version[0]}{way}FMUState"))
+        return calls
 
     def reading(self) -> Stage:
         """Reads the outputs of all units."""
-        return Stage(calls=[_call(port) for name in self.units for port in self._getters[name]])
+        return Stage(calls=self.gets(self.units))
 
-    def snapshot(self) -> list[bytes]:
-        """All values that are exchanged, for a comparison to the bit."""
-        return [values.tobytes() for values in [*self.inputs.values(), *self.outputs.values()]]
+    def float_inputs(self, units: Sequence[str]) -> list[tuple[End, slice]]:
+        """The float64 inputs of these units that are driven, and the place of each in `inputs`."""
+        places = [(end, place) for end, place in self._input_places.items() if end.unit.name in units]
+        return [(end, slice(*place[1:])) for end, place in places if place[0] == np.float64]
+
+    def float_outputs(self, unit: str) -> list[tuple[End, slice]]:
+        """The float64 outputs of a unit that are read, and the place of each in `outputs`."""
+        places = [(end, place) for end, place in self._output_places.items() if end.unit.name == unit]
+        return [(end, slice(*place[1:])) for end, place in places if place[0] == np.float64]
+
+    def feeds_through(self, unit: str) -> bool:
+        """Whether what is read of a unit depends directly on what is written to it."""
+        known = self.slaves[unit].description.dependencies
+        written = {end.variable.name for end in self._input_places if end.unit.name == unit}
+        read = [end.variable.name for end in self._output_places if end.unit.name == unit]
+        return any(known.get(name, written) & written for name in read)
+
+    def gather(self, units: Sequence[str]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The float64 connections between these units, by element: place of the target, of the source, and factor."""
+        inside = [c for c in self.connections if c.source.unit.name in units and c.target.unit.name in units]
+        inside = [c for c in inside if not _casts(c) and self._input_places[c.target][0] == np.float64]
+        columns = [
+            (
+                np.arange(*self._input_places[c.target][1:]),
+                np.arange(*self._output_places[c.source][1:]),
+                np.full(self.input(c.target).size, c.factor),
+            )
+            for c in inside
+        ]
+        if not columns:
+            return np.zeros(0, int), np.zeros(0, int), np.zeros(0)
+        targets, sources, factors = (np.concatenate(column) for column in zip(*columns, strict=True))
+        return targets, sources, factors
+
+    def slopes(self, units: Sequence[str]) -> SlopePort:
+        """The port for the slopes of the float64 inputs of these units, as far as they take them."""
+        return slope_port({self.slaves[name]: self.float_inputs([name]) for name in units}, self._driven)
+
+    def snapshot(self) -> list[np.ndarray]:
+        """All values that are exchanged."""
+        return [values.copy() for values in [*self.inputs.values(), *self.outputs.values()]]
 
     def run(self, stage: Stage, time: float) -> None:
         """Runs a stage, with signals at `time`; raises UnitError for the first call that fails."""
@@ -101,14 +202,15 @@ class Coupling:
             values[...] = function(time)
         for move, arguments in stage.transfers:
             move(*arguments)
-        for call, arguments, slave, name in stage.calls:
-            status = call(*arguments)
+        self.call(stage.calls)
+
+    def call(self, calls: Sequence[Call]) -> None:
+        """Makes these calls; raises UnitError for the first that fails."""
+        for function, arguments, slave, name in calls:
+            status = function(*arguments)
             if status > WARNING:
                 slave.time = self.time.value
                 slave.fail(name, status)
-
-    def _step_call(self, slave: Slave) -> Call:
-        return *slave.step_call(self.time, self.step), slave, f"fmi{slave.version[0]}DoStep"
 
     def _watch(self, signals: Sequence[Signal], unit: str) -> list[tuple[np.ndarray, Callable[[float], Any]]]:
         mine = [signal for signal in signals if signal.target.unit.name == unit]
@@ -136,6 +238,24 @@ class Coupling:
         """The one slice of `inputs` that adjacent targets fill."""
         dtype, start, _ = self._input_places[run[0].target]
         return _view(self.inputs, (dtype, start, self._input_places[run[-1].target][2]))
+
+
+def _energies(bonds: Sequence[Bond], name: str) -> list[End]:
+    units = dict.fromkeys(end.unit for bond in bonds for end in (bond.members[0][0].source, bond.members[0][0].target))
+    found = [(unit, unit.slave.description.variables.get(name)) for unit in units]
+    return [End(unit, variable) for unit, variable in found if variable and variable.causality == "output"]
+
+
+def _direct_wrenches(bonds: Sequence[Bond]) -> list[End]:
+    """The wrenches that depend directly on a motion of their bond."""
+    found = []
+    for bond in bonds:
+        motions = {motion.target.variable.name for _, motion in bond.members}
+        wrenches = [wrench.source for wrench, _ in bond.members]
+        known = wrenches[0].unit.slave.description.dependencies
+        if any(known.get(end.variable.name, motions) & motions for end in wrenches):
+            found += wrenches
+    return found
 
 
 def _cost(item: Connection | Signal) -> int:

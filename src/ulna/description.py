@@ -86,6 +86,7 @@ class Variable:
     entries: tuple[tuple[str, int], ...]
     """Names and values of an enumeration."""
     description: str
+    nominal: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -105,6 +106,11 @@ class Description:
     log_categories: frozenset[str]
     saves_state: bool
     serializes_state: bool
+    directional_derivatives: bool
+    interpolates_inputs: bool
+    """FMI 2: whether it takes slopes of inputs through fmi2SetRealInputDerivatives."""
+    has_states: bool
+    """Whether it declares continuous states."""
 
 
 _cache: dict[tuple, Description] = {}
@@ -150,6 +156,9 @@ def _extract(path: Path) -> Description:
         log_categories=frozenset(category.name for category in model.logCategories),
         saves_state=model.coSimulation.canGetAndSetFMUstate,
         serializes_state=model.coSimulation.canSerializeFMUstate,
+        directional_derivatives=bool(model.coSimulation.providesDirectionalDerivative),
+        interpolates_inputs=version == "2.0" and bool(model.coSimulation.canInterpolateInputs),
+        has_states=bool(model.derivatives),
     )
 
 
@@ -209,6 +218,7 @@ def _variable(name: str, elements: list[ModelVariable], model: ModelDescription)
         start=tuple(starts),
         entries=tuple((item.name, int(item.value)) for item in declared.items) if declared else (),
         description=first.description or "",
+        nominal=float(first.nominal or 1.0),
     )
 
 

@@ -12,7 +12,6 @@ from .scene import Scene
 
 STEP = 0.001
 UNTIL = 10.0
-MASTER = "gauss_seidel"
 
 
 @dataclass(frozen=True)
@@ -24,7 +23,8 @@ class Example:
     build: Callable[[], Scene]
     until: float
     step: float
-    master: str
+    master: str | None
+    """None for what suits the scene."""
     about: str
 
 
@@ -59,7 +59,7 @@ def load(scene: str) -> Example:
         build=module.scene,
         until=float(getattr(module, "UNTIL", UNTIL)),
         step=float(getattr(module, "STEP", STEP)),
-        master=getattr(module, "MASTER", MASTER),
+        master=getattr(module, "MASTER", None),
         about=(module.__doc__ or "").strip().split("\n")[0],
     )
 

@@ -51,7 +51,7 @@ def step_order(units: Sequence[str], connections: Sequence[Connection]) -> list[
     Loops are opened first where the input reaches no output of its unit directly (the new value then only misses
     the step itself), and otherwise before the unit that was added first.
     """
-    edges = {(c.source.unit.name, c.target.unit.name, feeds_through(c)) for c in connections}
+    edges = {(c.source.unit.name, c.target.unit.name, feeds_through(c, connections)) for c in connections}
     edges = {(before, after, direct) for before, after, direct in edges if before != after}
     while loops := cycles(units, [edge[:2] for edge in edges]):
         for loop in loops:
@@ -65,10 +65,29 @@ def step_order(units: Sequence[str], connections: Sequence[Connection]) -> list[
     return order
 
 
-def feeds_through(connection: Connection) -> bool:
-    """Whether some output of the target's unit depends directly on this input."""
+def step_blocks(units: Sequence[str], connections: Sequence[Connection]) -> list[list[str]]:
+    """The units in blocks, each after the blocks it takes from: a loop is one block, in the order of `step_order`."""
+    order = step_order(units, connections)
+    edges = {(c.source.unit.name, c.target.unit.name) for c in connections}
+    block_of = {unit: (unit,) for unit in order}
+    for loop in cycles(order, edges):
+        block_of.update(dict.fromkeys(loop, tuple(loop)))
+    waits = {(block_of[before], block_of[after]) for before, after in edges if block_of[before] != block_of[after]}
+    blocks: list[tuple[str, ...]] = []
+    left = list(dict.fromkeys(block_of[unit] for unit in order))
+    while left:
+        ready = next(block for block in left if not any((other, block) in waits for other in left))
+        blocks.append(ready)
+        left.remove(ready)
+    return [list(block) for block in blocks]
+
+
+def feeds_through(connection: Connection, connections: Sequence[Connection]) -> bool:
+    """Whether some output of the target's unit that is connected further depends directly on this input."""
     target = connection.target
-    return any(target.variable.name in inputs for inputs in target.unit.slave.description.dependencies.values())
+    used = {c.source.variable.name for c in connections if c.source.unit is target.unit}
+    dependencies = target.unit.slave.description.dependencies
+    return any(target.variable.name in dependencies.get(name, ()) for name in used)
 
 
 def find_loops(units: Sequence[str], connections: Sequence[Connection]) -> list[Loop]:

@@ -19,7 +19,7 @@ def summary(results: Results) -> list[Line]:
             columns = [f"{unit}.{variable}" for variable in variables]
             if all(column in results for column in columns):
                 lines.append((f"{unit}: {what}", describe(*(results[column] for column in columns))))
-    return lines + _speed(results)
+    return lines + _coupling(results) + _speed(results)
 
 
 def _energy(kinetic: np.ndarray, potential: np.ndarray) -> str:
@@ -59,6 +59,28 @@ FIGURES: tuple[tuple[str, tuple[str, ...], Callable[..., str]], ...] = (
     ("folded triangles", ("fold_fraction",), _fold),
     ("pings", ("sequence", "valid"), _pings),
 )
+
+
+def _coupling(results: Results) -> list[Line]:
+    """What the coupling does wrong, as far as the run could tell."""
+    figures, lines = results.summary, []
+    if "largest_gap" in figures:
+        lines.append(("joints", f"at most {figures['largest_gap']:.2g} m apart"))
+    if figures.get("input_error"):
+        lines.append(
+            ("coupling: error of an input", f"at most {figures['input_error']:.2g}, {figures['input_error_at']}")
+        )
+    if "coupling_energy" in figures:
+        share = abs(figures["coupling_energy"]) / (figures["system_energy"] or 1.0)
+        verdict = ": this run is wrong" if figures["wrong"] else ""
+        energy = f"{figures['coupling_energy']:.2g} J gained, {100 * share:.2g} % of the system's{verdict}"
+        lines.append(("coupling: energy", energy))
+    if "macro_steps" in figures:
+        steps = (
+            f"{figures['macro_steps']}, down to {figures['shortest_step']:.2g} s; {figures['repeated_steps']} repeated"
+        )
+        lines.append(("macro steps", steps))
+    return lines
 
 
 def _speed(results: Results) -> list[Line]:

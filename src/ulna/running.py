@@ -2,24 +2,25 @@
 
 import math
 import time as clock
-import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from .adaptive import Controlled
 from .connections import End, Signal
-from .coupling import Coupling
-from .ordering import Loop
+from .coupling import Coupling, CouplingError
 from .results import Results
 from .slave import UnitError
+from .watch import FLOAT64, Watch
 
-INITIAL_PASSES = 100
 # A run counts as a whole number of steps if it misses it by less than this share: round-off is far below.
 WHOLE = 1e-9
 # How often a run reports its progress.
 REPORTS = 200
+# How often the watch looks at the rows: often enough to warn while a run is wrong.
+REVIEWS = 20
 
 
 @dataclass(frozen=True)
@@ -52,40 +53,10 @@ def check_signal(signal: Signal, start: float) -> None:
         raise ValueError(f"the signal for {signal.target} returns values of shape {shape}")
 
 
-def settle(coupling: Coupling, start: float, algebraic: Sequence[Loop]) -> int | None:
-    """Passes outputs to inputs in initialization mode until nothing changes, then leaves that mode.
-
-    Returns the number of passes: at most two without a loop, of which the second finds no change. Warns, with the
-    loops at fault, and returns None if the values do not settle.
-    """
-    coupling.time.value = start
-    # Where a loop is opened, the first pass takes what the unit puts out for the start values of its own inputs.
-    coupling.run(coupling.reading(), start)
-    passes = _settled_after(coupling, start)
-    if passes is None:
-        loops = "; ".join(map(str, algebraic))
-        warnings.warn(f"the initial values do not settle in {INITIAL_PASSES} passes: {loops}", stacklevel=4)
-    for slave in coupling.slaves.values():
-        slave.exit_initialization()
-    coupling.run(coupling.reading(), start)
-    return passes
-
-
-def _settled_after(coupling: Coupling, start: float) -> int | None:
-    """Number of passes, in the order of the dependencies, until one changes nothing."""
-    stages = [coupling.stage([unit], step=False) for unit in coupling.order]
-    for passes in range(1, INITIAL_PASSES + 1):
-        before = coupling.snapshot()
-        for stage in stages:
-            coupling.run(stage, start)
-        if coupling.snapshot() == before:
-            return passes
-    return None
-
-
 def march(
     coupling: Coupling,
     advance: Callable[[float, float, float], None],
+    watch: Watch,
     grid: Grid,
     recorded: Sequence[End],
     summary: dict[str, Any],
@@ -93,22 +64,34 @@ def march(
 ) -> Results:
     """Takes all steps and returns what was recorded; a UnitError carries the rows before it as its `results`."""
     blocks = {dtype: np.empty((len(grid.times), values.size), dtype) for dtype, values in coupling.outputs.items()}
+    probes = np.zeros((len(grid.times), coupling.probed.get(FLOAT64, np.zeros(0)).size))
     began = clock.perf_counter()
+
+    def review(row: int) -> None:
+        nonlocal seen
+        if FLOAT64 in blocks and (row >= seen + (len(grid.times) - 1) // REVIEWS or row == len(grid.times) - 1):
+            new = slice(seen + 1, row + 1)
+            watch.review(blocks[FLOAT64][new], probes[new], grid.times[new])
+            seen = row
 
     def collect(rows: int) -> Results:
         wall_time = clock.perf_counter() - began
         simulated = float(grid.times[rows - 1] - grid.times[0])
         figures = {"steps": rows - 1, "wall_time": wall_time, "real_time_factor": simulated / wall_time}
-        return _results(coupling, recorded, grid.times[:rows], blocks, summary | figures)
+        return _results(
+            coupling, recorded, grid.times[:rows], blocks, summary | figures | coupling.figures | watch.figures()
+        )
 
-    row = 0
+    row, seen = 0, -1
     try:
-        for row in _steps(coupling, advance, grid, blocks):
+        for row in _steps(coupling, advance, grid, blocks, probes):
+            if not isinstance(advance, Controlled):
+                review(row)
             if progress:
                 progress(float(grid.times[row]))
-    except UnitError as error:
-        # The failing step began at the time of the last row.
-        error.results = collect(1 + int(np.searchsorted(grid.times, coupling.time.value)))
+    except (UnitError, CouplingError) as error:
+        # The failing step began at the time of the last row, or after it.
+        error.results = collect(int(np.searchsorted(grid.times, coupling.time.value, side="right")))
         raise
     for slave in coupling.slaves.values():
         slave.time = float(grid.times[row])
@@ -123,11 +106,13 @@ def _steps(
     advance: Callable[[float, float, float], None],
     grid: Grid,
     blocks: dict[np.dtype, np.ndarray],
+    probes: np.ndarray,
 ) -> Iterator[int]:
     """Steps and writes the rows; yields the number of the latest row now and then, and of the last one."""
     times = grid.times.tolist()
     rows = [(blocks[dtype], values) for dtype, values in coupling.outputs.items()]
     flags = [slave.end_requested for slave in coupling.slaves.values() if slave.version != "2.0"]
+    probed = coupling.probed.get(FLOAT64)
     last = len(times) - 1
     report = max(1, last // REPORTS)
     for block, values in rows:
@@ -139,6 +124,8 @@ def _steps(
             step = grid.last_step
         end = times[row]
         advance(begin, step, end)
+        if probed is not None:
+            probes[row] = probed
         for block, values in rows:
             block[row] = values
         for flag in flags:

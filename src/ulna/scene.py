@@ -1,18 +1,22 @@
 """A scene: units, what connects them, what is recorded; and its run."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from copy import deepcopy
 from os import PathLike
 from typing import Any
 
-from .connections import Connection, End, Frame, Signal, connect_ends, connect_frames
+from .adaptive import Controlled
+from .connections import Bond, Connection, End, Frame, Signal, connect_ends, connect_frames
 from .coupling import Coupling
+from .joints import Joint, make_joint, wrench_ends
 from .masters import MASTERS
 from .names import unknown
 from .ordering import Loop, find_loops, step_order
 from .results import Results
-from .running import check_signal, march, settle, time_grid
+from .running import check_signal, march, time_grid
+from .settling import settle
 from .slave import Slave
+from .watch import Watch
 
 SETTABLE = ("structuralParameter", "parameter", "input")
 
@@ -58,6 +62,14 @@ class SceneUnit:
             End(self, v) for v in variables if v.causality == "output" and v.type not in ("String", "Binary", "Clock")
         ]
 
+    def frame(self, name: str, **members: str) -> Frame:
+        """A frame of any variables, for a unit without terminals: position="x", force="f", ...
+
+        The members that `Scene.join` asks for are position, velocity, force; with an axis or damping also orientation,
+        angular_velocity, torque. Raises KeyError with the nearest right names.
+        """
+        return Frame(self, name, {member: End(self, self.slave.variable(v)) for member, v in members.items()})
+
     def __getitem__(self, name: str) -> End | Frame:
         """What can be connected under a name, frames first; raises KeyError with the nearest right names."""
         description = self.slave.description
@@ -95,6 +107,8 @@ class Scene:
         self.units: dict[str, SceneUnit] = {}
         self.connections: list[Connection] = []
         self.signals: list[Signal] = []
+        self.bonds: list[Bond] = []
+        self.joints: list[Joint] = []
         self._recorded: dict[End, None] = {}
 
     def __enter__(self) -> "Scene":
@@ -149,14 +163,15 @@ class Scene:
         if isinstance(source, Frame) and isinstance(target, Frame):
             if (factor, offset) != (None, None):
                 raise ValueError(f"cannot connect {source} to {target} with a factor or an offset: these are frames")
-            connections = connect_frames(source, target)
+            connections, bonds = connect_frames(source, target)
         elif isinstance(source, End) and isinstance(target, End):
-            connections = [connect_ends(source, target, factor, offset)]
+            connections, bonds = [connect_ends(source, target, factor, offset)], []
         else:
             raise ValueError(f"cannot connect {source} to {target}: one is a frame, the other is not")
         for connection in connections:
             self._refuse_second(connection.target, f"connect {connection.source} to {connection.target}")
         self.connections += connections
+        self.bonds += bonds
 
     def signal(self, target: End, function: Callable[[float], Any]) -> None:
         """Lets an input follow a function of time (s), which returns a number, or an array of the input's shape."""
@@ -165,12 +180,29 @@ class Scene:
         self._refuse_second(target, f"drive {target} by a signal")
         self.signals.append(Signal(target, function))
 
-    def _refuse_second(self, target: End, wish: str) -> None:
+    def join(
+        self, first: Frame | str, second: Frame, axis: Sequence[float] | None = None, *, damping: float = 0.0
+    ) -> None:
+        """Joins two frames rigidly, or one to the "world" where it is at the start: a hinge about `axis`, or a ball.
+
+        `axis` is in the axes of the first frame (of the world). `damping` (N.m.s/rad) is torque against the relative
+        angular velocity. The frames must meet at the start, at rest to each other but for what the joint leaves free;
+        their units must restore their states, and are stepped by the master `rigid`. Raises ValueError for frames that
+        lack a member, for values out of range, and for a wrench that is driven already.
+        """
+        joint = make_joint(first, second, axis, damping)
+        for end in wrench_ends(joint):
+            self._refuse_second(end, f"join {joint}", jointly=True)
+        self.joints.append(joint)
+
+    def _refuse_second(self, target: End, wish: str, *, jointly: bool = False) -> None:
         for connection in self.connections:
             if connection.target == target:
-                raise ValueError(f"cannot {wish}: {connection.source} is connected to it already")
+                raise ValueError(f"cannot {wish}: {connection.source} is connected to {target.name} already")
         if any(signal.target == target for signal in self.signals):
-            raise ValueError(f"cannot {wish}: a signal drives it already")
+            raise ValueError(f"cannot {wish}: a signal drives {target.name} already")
+        if not jointly and any(target in wrench_ends(joint) for joint in self.joints):
+            raise ValueError(f"cannot {wish}: a joint drives {target.name} already")
 
     def record(self, *what: SceneUnit | End | Frame) -> None:
         """Chooses what is recorded: variables, or all outputs of a unit or a frame. Without a choice, all outputs."""
@@ -193,17 +225,31 @@ class Scene:
         step: float,
         *,
         start: float = 0.0,
-        master: str = "gauss_seidel",
+        master: str | None = None,
+        extrapolation: int = 0,
+        tolerance: float | None = None,
         progress: Callable[[float], None] | None = None,
     ) -> Results:
         """Simulates from `start` to `until` in steps of `step` (s); times are start + n * step, to the bit.
 
+        `master` is by default `rigid` for a scene with joints, and else `gauss_seidel`. `extrapolation` is the order,
+        0 or 1, in which explicit masters continue inputs over a step. With `tolerance`, the error of an input over its
+        nominal plus largest value, the units step as far between the rows as it allows; all must restore their states.
+
         If `until` is no whole number of steps away, the last step is shorter. `progress` is called with the time
-        now and then. A unit that fails raises UnitError; its `results` hold the rows until then. A unit that asks
-        for the end of the simulation ends the run after that step. A scene can be run again, from its start.
+        now and then. A unit that fails raises UnitError, a loop that does not settle CouplingError; their `results`
+        hold the rows until then. A CouplingWarning says that the coupling makes the run wrong. A unit that asks for
+        the end of the simulation ends the run after that step. A scene can be run again, from its start.
         """
+        master = master or ("rigid" if self.joints else "gauss_seidel")
         if master not in MASTERS:
             raise ValueError(unknown("ulna", "master", master, MASTERS))
+        if self.joints and master != "rigid":
+            raise ValueError(f"the master {master} knows no joints; take rigid")
+        if extrapolation not in (0, 1):
+            raise ValueError(f"extrapolation = {extrapolation}; allowed: 0, 1")
+        if tolerance is not None and not 0.0 < tolerance < 1.0:
+            raise ValueError(f"tolerance = {tolerance}; allowed range: between 0 and 1")
         grid = time_grid(start, until, step)
         for signal in self.signals:
             check_signal(signal, start)
@@ -212,8 +258,15 @@ class Scene:
         recorded = list(self._recorded) or [end for unit in self.units.values() for end in unit.outputs()]
         slaves = {name: unit.slave for name, unit in self.units.items()}
         order = step_order(list(self.units), self.connections)
-        coupling = Coupling(slaves, order, self.connections, self.signals, recorded)
+        coupling = Coupling(slaves, order, self.connections, self.signals, recorded, self.bonds, self.joints)
+        coupling.step.value = step
         loops = self.loops()
         summary = {"scene": self.name, "master": master, "step": step, "loops": [str(loop) for loop in loops]}
-        summary["initial_passes"] = settle(coupling, start, [loop for loop in loops if loop.algebraic])
-        return march(coupling, MASTERS[master](coupling), grid, recorded, summary, progress)
+        summary["initial_passes"] = settle(
+            coupling, start, [x for x in loops if x.algebraic], newton=MASTERS[master].implicit
+        )
+        advance = MASTERS[master].prepare(coupling, extrapolation)
+        watch = Watch(coupling)
+        if tolerance is not None:
+            advance = Controlled(coupling, advance, watch, tolerance)
+        return march(coupling, advance, watch, grid, recorded, summary, progress)

@@ -1,12 +1,12 @@
 """One co-simulation instance of any FMU, FMI 2.0 or 3.0.
 
 FMPy loads the library and leads the life cycle. Values move through its pointers to the C functions, with
-arguments that are built once and NumPy buffers that stay where they are: see `Port`.
+arguments that are built once and NumPy buffers that stay where they are: see `port`.
 """
 
 import weakref
 from collections.abc import Callable, Sequence
-from ctypes import byref, c_bool, c_double, c_int, c_size_t, c_void_p
+from ctypes import byref, c_bool, c_double, c_int, c_void_p
 from os import PathLike
 from pathlib import Path
 from threading import Lock
@@ -20,6 +20,7 @@ from fmpy.fmi3 import FMU3Slave
 from .description import ACCESS, Description, Variable, count_of, read_description, shape_of
 from .messages import STATUS_NAMES, WARNING, Messages, fmi2_callbacks
 from .names import unknown
+from .port import Invocation, Port
 
 # FMPy changes the working directory while it loads a library.
 _load_lock = Lock()
@@ -49,48 +50,6 @@ class UnitError(RuntimeError):
         return UnitError, (self.unit, self.call, self.status, self.time, self.message), {"results": self.results}
 
 
-class Port:
-    """One get or set of fixed variables of one type: calling it moves `values`, a contiguous array, in or out."""
-
-    def __init__(self, slave: "Slave", verb: str, names: Sequence[str], values: np.ndarray | None = None):
-        """`verb` is Get or Set; raises ValueError for mixed types and for a buffer that does not fit."""
-        variables = [slave.variable(name) for name in names]
-        accesses = {slave.access(variable) for variable in variables}
-        if len(accesses) != 1:
-            kinds = ", ".join(f"{variable.name} {variable.type}" for variable in variables)
-            raise ValueError(f"{slave.name}: one port moves one type, not {kinds}")
-        suffix, dtype = accesses.pop()
-        sizes = [slave.count(variable) for variable in variables]
-        stops = np.cumsum(sizes).tolist()
-        self.slices = {
-            variable.name: slice(stop - size, stop)
-            for variable, size, stop in zip(variables, sizes, stops, strict=True)
-        }
-        self.values = np.zeros(stops[-1], dtype) if values is None else values
-        if self.values.shape != (stops[-1],) or self.values.dtype != dtype or not self.values.flags.c_contiguous:
-            raise ValueError(f"{slave.name}: the buffer must be a contiguous array of {stops[-1]} {np.dtype(dtype)}")
-        self.name = f"fmi{slave.version[0]}{verb}{suffix}"
-        self.function = slave.function(self.name)
-        # Kept here, because ctypes does not keep alive what a bare pointer points to.
-        self._references = np.array([r for variable in variables for r in variable.references], np.uint32)
-        count = () if slave.version == "2.0" else (c_size_t(self.values.size),)
-        self.arguments = (
-            c_void_p(slave.component),
-            c_void_p(self._references.ctypes.data),
-            c_size_t(self._references.size),
-            c_void_p(self.values.ctypes.data),
-            *count,
-        )
-        self.slave = slave
-
-    def __call__(self) -> np.ndarray:
-        """Moves the values and returns them; raises UnitError if the unit refuses."""
-        status = self.function(*self.arguments)
-        if status > WARNING:
-            self.slave.fail(self.name, status)
-        return self.values
-
-
 class Slave:
     """One instance of an FMU: `fmu` is a unit's name (then `version` chooses the build) or the path of any FMU."""
 
@@ -103,6 +62,7 @@ class Slave:
         self.messages = Messages()
         self._ports: dict[tuple[str, str], Port] = {}
         self._states: list[c_void_p] = []
+        self._rollback: c_void_p | None = None
         self._initialized = False
         self._sizes = self._default_sizes()
         with _load_lock:
@@ -269,7 +229,7 @@ class Slave:
         """Ends initialization mode; steps may follow."""
         self._call("exitInitializationMode")
 
-    def step_call(self, time: c_double, step: c_double) -> tuple[Callable[..., int], tuple]:
+    def step_call(self, time: c_double, step: c_double) -> Invocation:
         """The C function of a step and its arguments; it reads the numbers when it is called."""
         component = c_void_p(self.component)
         if self.version == "2.0":
@@ -303,6 +263,18 @@ class Slave:
         """Frees the instance and unloads its library; a second call does nothing."""
         self._close()
 
+    # Derivatives
+
+    def directional_derivative(self, unknowns: Sequence[str], knowns: Sequence[str], seed: np.ndarray) -> np.ndarray:
+        """Change of the outputs `unknowns` (all elements, flat) for the change `seed` of the inputs `knowns`.
+
+        At the present state and inputs, without a step. Raises UnitError if the unit gives none.
+        """
+        references = [[r for name in names for r in self.variable(name).references] for names in (unknowns, knowns)]
+        size = sum(self.count(self.variable(name)) for name in unknowns)
+        arguments = (*references, seed.tolist(), *(() if self.version == "2.0" else (size,)))
+        return np.array(self._call("getDirectionalDerivative", *arguments))
+
     # State
 
     def save(self) -> c_void_p:
@@ -314,6 +286,22 @@ class Slave:
     def restore(self, state: c_void_p) -> None:
         """Back to a saved state, which stays valid."""
         self._call("setFMUState", state)
+
+    def rollback_calls(self) -> tuple[Invocation, Invocation]:
+        """The call that saves the state, always into one place, and the call that goes back there.
+
+        Raises ValueError for a unit that cannot, UnitError if it refuses.
+        """
+        if not self.description.saves_state:
+            raise ValueError(
+                f"{self.name}: {self.description.name} cannot save its state, so no step of it is repeated"
+            )
+        if self._rollback is None:
+            self._rollback = self.save()
+        component, state = c_void_p(self.component), self._rollback
+        verb = "FMUstate" if self.version == "2.0" else "FMUState"
+        save, restore = (self.function(f"fmi{self.version[0]}{way}{verb}") for way in ("Get", "Set"))
+        return (save, (component, byref(state))), (restore, (component, state))
 
     def free(self, state: c_void_p) -> None:
         """Gives up a saved state."""

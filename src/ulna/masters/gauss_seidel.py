@@ -4,16 +4,25 @@ Order 1 in the step, with smaller errors than Jacobi where the order of the unit
 a loop every row is consistent, outputs with the inputs they depend on. Signals are taken at the end of the step, as
 if a unit had been stepped first. A connection against the order carries the value at the start of the step;
 `Scene.loops` names these.
+
+With extrapolation inputs are lines over the step, to what the units before put out at its end, and against the order
+on through the last two steps: order 2.
 """
 
 from collections.abc import Callable
 
 from ..coupling import Coupling
+from ..lines import Lines, late_connections
+from .jacobi import extrapolated
 
 
-def prepare(coupling: Coupling) -> Callable[[float, float, float], None]:
+def prepare(coupling: Coupling, extrapolation: int) -> Callable[[float, float, float], None]:
     """The step of this master for these units."""
-    stages = [coupling.stage([unit]) for unit in coupling.order]
+    groups = [[unit] for unit in coupling.order]
+    if extrapolation:
+        return extrapolated(Lines(coupling, groups))
+    coupling.late = late_connections(coupling, groups)
+    stages = [coupling.stage(group) for group in groups]
 
     def step(time: float, step: float, end: float) -> None:
         coupling.time.value = time
