@@ -1,6 +1,7 @@
 """The units' equations from the textbook, in CasADi: what the C is judged by. Nothing here knows the C.
 
-Each module but `jointed_arm` is named after its unit's folder and offers, on dictionaries from variable name to `SX` column:
+Each module but `jointed_arm` is named after its unit's folder and offers, on dictionaries from variable name to `SX`
+column:
 
 - `symbols()`: the general point at which equations are compared: a free symbol per variable, or an expression in
   free symbols where a variable is bound (an axis of length 1).

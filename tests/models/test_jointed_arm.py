@@ -268,16 +268,6 @@ def test_small_errors_stay_small(name):
     assert np.linalg.norm(np.subtract.reduce(ends, axis=1) / (2 * small), 2) < 300
 
 
-@pytest.mark.parametrize("name", ["planar_arm", "ball_arm", "chain_10"])
-def test_the_units_start_where_the_reference_does(name):
-    arm = ARMS[name]
-    found = modelled(arm).results(arm.state)
-    for i, body in enumerate(arm.rigid_bodies):
-        for seen in ("position", "velocity", "angular_velocity"):
-            assert body[f"initial_{seen}"] == pytest.approx(found[seen][i], abs=1e-15)
-        assert body["initial_orientation"] == pytest.approx(found["orientation"][i], abs=1e-15)
-
-
 def test_shapes_of_results_and_what_is_refused():
     model = modelled(ball_arm())
     found = model.results(np.tile(ball_arm().state, (5, 7, 1)))

@@ -52,7 +52,7 @@ class JointedArm:
     speeds: tuple[Any, ...]
     """Rate (rad/s) to the body before, or angular velocity to it [3] in the axes of the body carried."""
     end: float
-    """s: until then the reference is good for 1e-11 rad and rad/s, and an error at the start grows less than 300-fold."""
+    """s: until then the reference is good for 2e-11 (rad, rad/s), and errors at the start grow less than 300-fold."""
 
     @property
     def planar(self) -> bool:
