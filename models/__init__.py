@@ -1,6 +1,7 @@
 """The units' equations from the textbook, in CasADi: what the C is judged by. Nothing here knows the C.
 
-Each module is named after its unit's folder and offers, on dictionaries from variable name to `SX` column:
+Each module but `jointed_arm` is named after its unit's folder and offers, on dictionaries from variable name to `SX`
+column:
 
 - `symbols()`: the general point at which equations are compared: a free symbol per variable, or an expression in
   free symbols where a variable is bound (an axis of length 1).
@@ -12,6 +13,8 @@ Each module is named after its unit's folder and offers, on dictionaries from va
 - `step_failures(step)`: expressions that do NOT vanish: what a solver is known to lose.
 - `SAMPLES`: by the name of a symbol, the range in which it is to be drawn; (-1, 1) for all others. Elements of a
   column `x` are the symbols `x_0`, `x_1`, ...
+
+`jointed_arm` is no unit but what coupled units are judged by: chains of bodies on hinges and ball joints.
 
 Functions of a unit that compute no variable of its own (the paths of the sensor, a point of the skin) have their
 results by `FUNCTION.RESULT`, or `FUNCTION` if there is one.
