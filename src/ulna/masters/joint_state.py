@@ -41,8 +41,10 @@ class JointState:
         self._slots, self._places = _reading(coupling, self.frames)
         self.hinged = np.array([joint.axis is not None for joint in joints])
         self.damping = np.array([[joint.damping] for joint in joints])
-        self.active = np.flatnonzero(np.repeat(np.stack([self.hinged | True, self.hinged], axis=1), (3, 2), axis=1))
-        """Which of the five unknowns of every joint there are: three forces, and two torques if it is hinged."""
+        kinds = np.stack([self.hinged | True, self.hinged, self.damping[:, 0] > 0.0], axis=1)
+        self.active = np.flatnonzero(np.repeat(kinds, (3, 2, 3), axis=1))
+        """Which of the eight unknowns of every joint there are: three forces, two torques across the axis of a hinge,
+        three torques of damping."""
         self.signs = np.zeros((len(self.frames), len(joints)))
         """What a wrench on the second frame of a joint is to every frame."""
         for k, joint in enumerate(joints):
@@ -82,7 +84,7 @@ class JointState:
         apart = self.motion[self.second, :9] - self.motion[self.first, :9]
         gaps[0, :, :3] = apart[:, :3]
         gaps[1, :, :3] = apart[:, 3:6]
-        if self.active.size > 3 * len(self.joints):
+        if np.any(self.hinged):
             across = self.triad().transpose(0, 2, 1)
             tilted = (across @ (self.turn[self.second] @ self._second_axis))[:, :, 0]
             # the axis times the tilted one, by its components along the two directions across

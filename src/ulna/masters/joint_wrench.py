@@ -7,6 +7,8 @@ from .joint_state import JointState, cross
 NODES = 0.5 + np.array([-0.5, 0.0, 0.5]) * np.sqrt(0.6)
 """Gauss points of the step from 0 to 1, and their weights: exact to degree 5."""
 WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
+UNKNOWNS = 8
+"""Of each joint at begin and at end of a step: see `wrench_lines`."""
 STILL = 1e-14
 """Turn of an axis in a step that is none."""
 
@@ -25,21 +27,33 @@ class Start:
 def wrench_lines(state: JointState, start: Start, unknowns: np.ndarray) -> np.ndarray:
     """Force and torque on the second frames at begin and end of a step, in the world, shape (2, n, 6).
 
-    `unknowns`, shape (2, n, 5), are force (world) and torque in the two directions across the axis at the start. The
-    axis turns within the step; what a line of torque then has along it is taken away in the mean and in the first
-    moment, so that to order 4 a hinge does no work about its axis.
+    `unknowns`, shape (2, n, 8), are force (world), torque in the two directions across the axis at the start, and
+    torque of damping (world). The axis turns within the step; what a line of torque then has along it is taken away in
+    the mean and in the first moment, so that to order 4 a hinge does no work about its axis.
     """
-    wrenches = np.zeros((*unknowns.shape[:2], 6))
-    wrenches[:, :, :3] = unknowns[:, :, :3]
-    torques = wrenches[:, :, 3:]
+    wrenches = unknowns[:, :, [0, 1, 2, 5, 6, 7]]
     if np.any(state.hinged):
-        torques[:] = (start.triad[:, :, :2] @ unknowns[:, :, 3:, None])[:, :, :, 0]
+        torques = (start.triad[:, :, :2] @ unknowns[:, :, 3:5, None])[:, :, :, 0]
         turned = state.triad()[:, :, 2]
         if np.any(np.abs(turned - start.triad[:, :, 2]) > STILL):
             torques += _along(state, start, turned, torques)[:, :, None] * start.triad[:, :, 2]
-    if np.any(state.damping):
-        torques -= state.damping * _relative_rates(state, start)
+        wrenches[:, :, 3:] += torques
     return wrenches
+
+
+def residual(state: JointState, start: Start, unknowns: np.ndarray) -> np.ndarray:
+    """What must be zero, shape (2, n, 8), in m and rad: gaps in place, then step times gaps in velocity.
+
+    The last three of each joint are step times what the torque of damping is off the relative angular velocity at
+    begin and end, over the damping.
+    """
+    found = np.zeros(unknowns.shape)
+    found[:, :, :5] = state.gaps()
+    found[1] *= start.step
+    if np.any(state.damping):
+        some = np.where(state.damping > 0.0, state.damping, 1.0)
+        found[:, :, 5:] = start.step * (unknowns[:, :, 5:] / some + _relative_rates(state, start))
+    return found
 
 
 def _along(state: JointState, start: Start, turned: np.ndarray, torques: np.ndarray) -> np.ndarray:

@@ -17,7 +17,7 @@ from ..lines import Lines
 from ..ordering import step_order
 from .blocks import not_settled
 from .joint_state import JointState
-from .joint_wrench import Start, wrench_lines
+from .joint_wrench import UNKNOWNS, Start, residual, wrench_lines
 from .mobility import Mobility
 
 MEETING = 1e-9
@@ -29,9 +29,13 @@ SLOW = 12
 """Sweeps of a step after which the mobility is measured again: it has changed, as that of a hinged body may."""
 REMEMBERED = 5
 """Steps from which the next wrenches are guessed."""
+OF_GAPS = np.array([[[1 / 3], [1 / 6]], [[1 / 2], [1 / 2]]])
+"""Of the accelerations at begin and end in the gaps in place and in velocity, over step^2."""
+OF_RATES = np.array([[[1 / 12], [-1 / 12]], [[7 / 12], [5 / 12]]])
+"""The same in the lines of the relative rates, at begin and at end."""
 FAR = 1.5
 """Distance of a guess, over that of the steps, beyond which it is a line."""
-NOISE, STALLED = 1e2, 0.5
+NOISE, STALLED = 5.0, 0.5
 """Gaps of that many times CLOSED count as none where a sweep leaves more than that share of them: it is round-off."""
 ADVICE = "take a shorter step"
 
@@ -82,9 +86,9 @@ class Joined:
         self._which = np.flatnonzero(self._driven)
         self._mobility = Mobility(lines, state, self._places)
         self._measured = False
-        self.memory = np.zeros((REMEMBERED, 2, len(state.joints), 6))
-        """The wrenches on the second frames at begin and end of the steps done last, the latest first, in the world,
-        damping left out."""
+        self.memory = np.zeros((REMEMBERED, 2, len(state.joints), 9))
+        """At begin and end of the steps done last, the latest first: force, torque and torque of damping on the second
+        frames, in the world."""
         self.times, self.count = np.zeros(REMEMBERED), np.zeros(1)
         self._coupling.memory += [self.memory, self.times, self.count]
         self._coupling.figures |= {"sweeps": 0, "largest_gap": 0.0}
@@ -132,13 +136,13 @@ class Joined:
     def _measure(self) -> None:
         """Measures the mobility at the start of the step, with no wrench from the joints."""
         units = self._lines.parts[0].units
-        self._write(Start(self._state, self._lines.step), np.zeros((2, 5 * len(self._state.joints))))
+        self._write(Start(self._state, self._lines.step), np.zeros((2, UNKNOWNS * len(self._state.joints))))
         self._mobility.measure(self._restores)
         self._coupling.call([*self._restores, *self._coupling.gets(units)])
         self._state.read()
 
     def _solve(self, start: Start) -> tuple[np.ndarray, int]:
-        """The unknowns that close the gaps at the end of the step, shape (2, 5 n), and the number of sweeps."""
+        """The unknowns that close the gaps at the end of the step, shape (2, 8 n), and the number of sweeps."""
         lines, state = self._lines, self._state
         unknowns, inverse = self._guess(start), self._inverse(start)
         allowed = CLOSED * (1.0 + np.abs(state.motion[:, :6]).max())
@@ -147,9 +151,7 @@ class Joined:
             self._write(start, unknowns)
             lines.parts[0].advance()
             state.read()
-            gaps = state.gaps().reshape(2, -1)[:, state.active]
-            gaps[1] *= start.step
-            gaps = gaps.reshape(-1)
+            gaps = residual(state, start, unknowns.reshape(2, -1, UNKNOWNS)).reshape(2, -1)[:, state.active].reshape(-1)
             size = np.abs(gaps).max()
             if size <= allowed or (before is not None and NOISE * allowed > size > STALLED * np.abs(before).max()):
                 return unknowns, sweeps
@@ -169,16 +171,17 @@ class Joined:
         if known > 2 and since[0] > FAR * (since[1] - since[0]):
             known, since = 2, since[:2]
         wrenches = np.tensordot(extrapolation_weights(*since.round(6).tolist()), self.memory[:known], 1)
-        torques = (wrenches[:, :, None, 3:] @ start.triad[:, :, :2])[:, :, 0]
-        return np.concatenate([wrenches[:, :, :3], torques], axis=2).reshape(2, -1)
+        torques = (wrenches[:, :, None, 3:6] @ start.triad[:, :, :2])[:, :, 0]
+        return np.concatenate([wrenches[:, :, :3], torques, wrenches[:, :, 6:]], axis=2).reshape(2, -1)
 
     def _remember(self, start: Start, unknowns: np.ndarray) -> None:
-        across, unknowns = start.triad[:, :, :2], unknowns.reshape(2, -1, 5)
+        across, unknowns = start.triad[:, :, :2], unknowns.reshape(2, -1, UNKNOWNS)
         last = self.memory[0, 1].copy()
         self.memory[1:] = self.memory[:-1]
         self.times[1:] = self.times[:-1]
         self.memory[0, :, :, :3] = unknowns[:, :, :3]
-        self.memory[0, :, :, 3:] = (across @ unknowns[:, :, 3:, None])[:, :, :, 0]
+        self.memory[0, :, :, 3:6] = (across @ unknowns[:, :, 3:5, None])[:, :, :, 0]
+        self.memory[0, :, :, 6:] = unknowns[:, :, 5:]
         self.times[0] = self._coupling.time.value
         if self.count[0]:
             jump = np.abs(self.memory[0, 0] - last).max()
@@ -188,7 +191,7 @@ class Joined:
     def _write(self, start: Start, unknowns: np.ndarray) -> None:
         """Puts the wrenches into the lines of the frames' inputs."""
         lines = self._lines
-        wrenches = wrench_lines(self._state, start, unknowns.reshape(2, -1, 5))
+        wrenches = wrench_lines(self._state, start, unknowns.reshape(2, -1, UNKNOWNS))
         on_frames = (self._state.signs @ wrenches).reshape(2, -1)
         lines.start[self._places[self._driven]], lines.end[self._places[self._driven]] = on_frames[:, self._which]
 
@@ -205,22 +208,29 @@ class Joined:
         return one, other, pair, sign[:, None, None]
 
     def _inverse(self, start: Start) -> np.ndarray:
-        """Inverse of the gaps at the end, those of velocity times the step, by the unknowns at begin and end.
+        """Inverse of the residual by the unknowns at begin and end of the step.
 
-        Accelerations across the joints, A, that are linear in time make gaps of step^2 (A0 / 3 + A1 / 6) in place and
-        step (A0 + A1) / 2 in velocity.
+        Accelerations across the joints that are linear in time, from a0 to a1, make gaps of step^2 (a0 / 3 + a1 / 6) in
+        place and step (a0 + a1) / 2 in velocity, and lines of the relative rate that begin at step (a0 - a1) / 12 and
+        end at step (7 a0 + 5 a1) / 12: see `joint_wrench`.
         """
-        count, step = len(self._state.joints), self._lines.step
-        basis = np.zeros((count, 6, 5))
-        basis[:, :3, :3] = np.eye(3)
-        basis[:, 3:, 3:] = start.triad[:, :, :2]
+        count, step, state = len(self._state.joints), start.step, self._state
+        basis = np.zeros((count, 6, count, UNKNOWNS))
+        every = np.arange(count)
+        basis[every, :3, every, :3] = np.eye(3)
+        basis[every, 3:, every, 3:5] = start.triad[:, :, :2]
+        basis[every, 3:, every, 5:] = np.eye(3)
+        basis = basis.reshape(6 * count, -1)[:, state.active]
         one, other, pair, sign = self._pairs
-        blocks = sign * (basis[one].transpose(0, 2, 1) @ self._mobility.world()[pair] @ basis[other])
-        matrix = np.zeros((count, count, 5, 5))
-        np.add.at(matrix, (one, other), blocks)
-        active = self._state.active
-        matrix = matrix.transpose(0, 2, 1, 3).reshape(5 * count, 5 * count)[np.ix_(active, active)]
-        return np.kron([[6.0, -2.0], [-6.0, 4.0]], np.linalg.inv(matrix) / step**2)
+        response = np.zeros((count, count, 6, 6))
+        np.add.at(response, (one, other), sign * self._mobility.world()[pair])
+        response = basis.T @ response.transpose(0, 2, 1, 3).reshape(6 * count, 6 * count) @ basis
+        damped = state.active % UNKNOWNS >= 5
+        matrix = step**2 * np.where(damped, OF_RATES, OF_GAPS)[:, :, :, None] * response
+        rows = np.flatnonzero(damped)
+        for time in range(2):
+            matrix[time, time, rows, rows] += step / np.repeat(state.damping, UNKNOWNS)[state.active[rows]]
+        return np.linalg.inv(matrix.transpose(0, 2, 1, 3).reshape(2 * len(response), -1))
 
 
 @lru_cache
