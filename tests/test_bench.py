@@ -4,13 +4,17 @@ import io
 import math
 import subprocess
 import sys
+from contextlib import ExitStack
 
 import pytest
 from rich.console import Console
 
 from ulna import bench
+from ulna.bench import masters
 from ulna.bench.measuring import side_by_side
 from ulna.bench.tables import text_of
+
+MASTERS = "masters: a macro step of three units"
 
 
 @pytest.fixture(scope="module")
@@ -22,8 +26,8 @@ def by_name(table: bench.Table, column: str) -> dict[str, float]:
     return dict(zip(table.column(table.columns[0]), table.column(column), strict=True))
 
 
-def test_every_unit_gives_finite_numbers(tables: dict[str, bench.Table]) -> None:
-    assert {title.split(":")[0] for title in tables} == set(bench.UNITS)
+def test_every_subject_gives_finite_numbers(tables: dict[str, bench.Table]) -> None:
+    assert {title.split(":")[0] for title in tables} == set(bench.SUBJECTS)
     for table in tables.values():
         assert all(len(row) == len(table.columns) for row in table.rows)
         assert all(math.isfinite(cell) for row in table.rows for cell in row if not isinstance(cell, str))
@@ -31,7 +35,7 @@ def test_every_unit_gives_finite_numbers(tables: dict[str, bench.Table]) -> None
 
 def test_ratios_are_to_the_cheapest(tables: dict[str, bench.Table]) -> None:
     bodies = "RigidBody: solvers", "HingedBody: solvers", "CompliantJoint: exchange"
-    for title in (*bodies, "ArmSkin: methods", "UltrasonicSensor: fidelities"):
+    for title in (*bodies, "ArmSkin: methods", "UltrasonicSensor: fidelities", MASTERS):
         assert min(tables[title].column("ratio")) == 1.0
 
 
@@ -86,6 +90,48 @@ def test_specular_is_exact_where_a_ray_is_not(tables: dict[str, bench.Table]) ->
         assert aside[f"specular: {target}"] < 1e-14 < 1e-3 < aside[f"ray: {target}"]  # round-off of 0.5 m
     # a ray takes the ball to stand still: off by v / c
     assert moving["specular: 10 m/s"] < 1e-14 < 10 / 345 < moving["ray: 10 m/s"]
+
+
+def test_masters_and_loops_of_every_version_are_side_by_side(tables: dict[str, bench.Table]) -> None:
+    rows = set(tables[MASTERS].column("who steps them"))
+    ours = [masters.master_name(master, order) for master, order in masters.EXPLICIT]
+    for what in (masters.LOOP, masters.GETTERS, *ours):
+        assert {masters.name_of(what, version) for version in masters.VERSIONS} <= rows
+    over = by_name(tables[MASTERS], "over the units")
+    assert [over[masters.name_of(masters.LOOP, version)] for version in masters.VERSIONS] == [0.0, 0.0]
+
+
+@pytest.mark.parametrize("version", masters.VERSIONS)
+@pytest.mark.parametrize("way", ["in_c", "by_fmpy"])
+def test_loops_that_are_timed_do_what_gauss_seidel_does_to_the_bit(version: str, way: str) -> None:
+    with masters.chain(version) as scene:
+        rows = scene.run(2 * masters.COUNT * masters.STEP, masters.STEP)["third.angle"]
+    loop = masters.Loop(version)
+    run = getattr(loop, way)()
+    for row in (masters.COUNT, 2 * masters.COUNT):
+        assert run() > 0.0
+        assert loop.angle() == rows[row] != rows[0]
+    loop.close()
+
+
+def test_ecos_does_what_jacobi_does_to_the_bit() -> None:
+    with ExitStack() as stack:
+        simulation = masters.ecos_simulation(stack)
+        if simulation is None:
+            pytest.skip("install it with: pip install ecospy tbb")
+        assert masters.by_ecos(simulation, masters.COUNT)() > 0.0
+        found = simulation.get_real("third::angle")
+    with masters.chain("2.0") as scene:
+        rows = scene.run(masters.COUNT * masters.STEP, masters.STEP, master="jacobi")["third.angle"]
+    assert found == rows[-1] != rows[0]
+
+
+def test_a_unit_that_fails_in_the_loop_of_c_is_no_time() -> None:
+    loop = masters.Loop("3.0")
+    loop.row = 1  # not where the units are
+    with pytest.raises(RuntimeError, match="fails in the loop of C"):
+        loop.in_c()()
+    loop.close()
 
 
 def test_candidates_take_turns() -> None:

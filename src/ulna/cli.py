@@ -136,15 +136,15 @@ def info(
 
 @app.command()
 def bench(
-    units: Annotated[
-        list[str] | None, typer.Argument(metavar="[UNIT]...", help="Names of units; default: all.")
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="[NAME]...", help="Names of units, or masters; default: all.")
     ] = None,
 ) -> None:
-    """Measures what each solver, method and fidelity costs, and how far it is off."""
+    """Measures what each solver, method, fidelity and master costs, and how far it is off."""
     from . import bench as benchmarks
 
     with _mistakes("bench"):
-        benchmarks.show(benchmarks.run(units or []))
+        benchmarks.show(benchmarks.run(names or []))
 
 
 def main() -> None:

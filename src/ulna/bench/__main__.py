@@ -1,4 +1,4 @@
-"""`python -m ulna.bench [UNIT ...]` prints the tables of these units, or of all."""
+"""`python -m ulna.bench [NAME ...]` prints the tables of these units, of masters, or of all."""
 
 import sys
 

@@ -1,6 +1,7 @@
 """What all benchmarks share: units made ready, times taken side by side, and an independent integrator."""
 
 from collections.abc import Callable, Hashable, Mapping
+from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -54,14 +55,21 @@ def side_by_side(calls: Mapping[Hashable, Callable[[], Any]], rounds: int) -> di
     Every round times every call once, so that a machine that changes its pace does so for all. One round before is not
     counted.
     """
-    times = np.empty((rounds + 1, len(calls)))
-    for row in times:
-        for place, call in enumerate(calls.values()):
-            start = perf_counter()
-            call()
-            row[place] = perf_counter() - start
-    medians = np.median(times[1:], axis=0)
-    return {name: (float(s), float(s / medians.min())) for name, s in zip(calls, medians, strict=True)}
+
+    def clocked(call: Callable[[], Any]) -> float:
+        start = perf_counter()
+        call()
+        return perf_counter() - start
+
+    medians = interleaved({name: partial(clocked, call) for name, call in calls.items()}, rounds)
+    least = min(medians.values())
+    return {name: (s, s / least) for name, s in medians.items()}
+
+
+def interleaved(runs: Mapping[Hashable, Callable[[], float]], rounds: int) -> dict[Hashable, float]:
+    """Median over the rounds of the seconds that each run returns; every round runs each once, one before uncounted."""
+    times = np.array([[run() for run in runs.values()] for _ in range(rounds + 1)])
+    return dict(zip(runs, np.median(times[1:], axis=0).tolist(), strict=True))
 
 
 def integrated(slope: Callable[[float, Array], Any], first: Any, end: float) -> Array:

@@ -27,7 +27,7 @@ def compiler() -> str:
     for name in filter(None, (os.environ.get("CC"), "cc", "gcc", "clang")):
         if found := shutil.which(name):
             return found
-    raise FileNotFoundError("the chart times C by C and needs a C compiler: install gcc or clang, or set CC")
+    raise FileNotFoundError("C is timed by C, which needs a C compiler: install gcc or clang, or set CC")
 
 
 def compile_library(source: str, target: Path, sources: Path | None = None, flags: Sequence[str] = ()) -> None:
