@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..lines import Lines
-from .joint_state import JointState
+from .joint_state import JointState, rotations
 
 SMALL, LARGE = 1e-8, 1e6
 """First, careful nudge, and bound of the second: N, N.m."""
@@ -50,9 +50,17 @@ class Mobility:
         self.local = before[self.to].transpose(0, 2, 1) @ blocks @ before[self.by]
 
     def world(self) -> np.ndarray:
-        """The responses in world axes, with the frames as they are now, shape (pairs, 6, 6)."""
-        turn = _by_frame(self._state.turn)
-        return turn[self.to] @ self.local @ turn[self.by].transpose(0, 2, 1)
+        """The responses in world axes for the step from where the frames are now, shape (pairs, 6, 6).
+
+        The wrench acts in the middle of the step, the response is seen at its end.
+        """
+        middle, end = (_by_frame(self._turned(share)) for share in (0.5, 1.0))
+        return end[self.to] @ self.local @ middle[self.by].transpose(0, 2, 1)
+
+    def _turned(self, share: float) -> np.ndarray:
+        """Frames to world after a share of the step with the angular velocities of now, shape (frames, 3, 3)."""
+        turn = 0.5 * share * self._lines.step * self._state.angular_velocity
+        return rotations(np.insert(turn, 0, 1.0, axis=1)) @ self._state.turn
 
     def _changed(
         self, restores: list, start: np.ndarray, end: np.ndarray, places: np.ndarray, nudge: np.ndarray

@@ -237,7 +237,7 @@ class Joined:
             matrix[time, time, rows, rows] += step / np.repeat(state.damping, UNKNOWNS)[state.active[rows]]
         matrix = matrix.transpose(0, 2, 1, 3).reshape(2 * len(response), -1)
         if self._redundant is None:
-            values = np.linalg.svd(response, compute_uv=False)
+            values = np.linalg.svd(response[np.ix_(~damped, ~damped)], compute_uv=False)
             self._redundant = bool(values[-1] < SINGULAR * values[0])
         return np.linalg.pinv(matrix, rcond=SINGULAR) if self._redundant else np.linalg.inv(matrix)
 
