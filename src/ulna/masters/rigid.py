@@ -33,6 +33,8 @@ OF_GAPS = np.array([[[1 / 3], [1 / 6]], [[1 / 2], [1 / 2]]])
 """Of the accelerations at begin and end in the gaps in place and in velocity, over step^2."""
 OF_RATES = np.array([[[1 / 12], [-1 / 12]], [[7 / 12], [5 / 12]]])
 """The same in the lines of the relative rates, at begin and at end."""
+SINGULAR = 1e-8
+"""Ratio of singular values below which joints are redundant: the mobility is known to some 1e-10."""
 FAR = 1.5
 """Distance of a guess, over that of the steps, beyond which it is a line."""
 NOISE, STALLED = 5.0, 0.5
@@ -86,6 +88,8 @@ class Joined:
         self._which = np.flatnonzero(self._driven)
         self._mobility = Mobility(lines, state, self._places)
         self._measured = False
+        self._redundant: bool | None = None
+        """Whether joints hold what others hold already: then the least wrenches that do it are taken."""
         self.memory = np.zeros((REMEMBERED, 2, len(state.joints), 9))
         """At begin and end of the steps done last, the latest first: force, torque and torque of damping on the second
         frames, in the world."""
@@ -138,6 +142,7 @@ class Joined:
         units = self._lines.parts[0].units
         self._write(Start(self._state, self._lines.step), np.zeros((2, UNKNOWNS * len(self._state.joints))))
         self._mobility.measure(self._restores)
+        self._redundant = None
         self._coupling.call([*self._restores, *self._coupling.gets(units)])
         self._state.read()
 
@@ -230,7 +235,11 @@ class Joined:
         rows = np.flatnonzero(damped)
         for time in range(2):
             matrix[time, time, rows, rows] += step / np.repeat(state.damping, UNKNOWNS)[state.active[rows]]
-        return np.linalg.inv(matrix.transpose(0, 2, 1, 3).reshape(2 * len(response), -1))
+        matrix = matrix.transpose(0, 2, 1, 3).reshape(2 * len(response), -1)
+        if self._redundant is None:
+            values = np.linalg.svd(response[np.ix_(~damped, ~damped)], compute_uv=False)
+            self._redundant = bool(values[-1] < SINGULAR * values[0])
+        return np.linalg.pinv(matrix, rcond=SINGULAR) if self._redundant else np.linalg.inv(matrix)
 
 
 @lru_cache
