@@ -1,0 +1,201 @@
+"""Claims about whole steps of every solver: orders as series in h, and what they keep, by a model's table.
+
+A step is traced along its path (see `paths`) and carried out in 50 digits, so that neither the roundings of doubles
+nor those of differences hide anything: what is left is the solver's own.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from types import ModuleType
+
+import casadi
+import numpy as np
+from casadi import SX
+from mpmath import mp, mpf
+
+from .arithmetic import Precise, exactly
+from .claims import Row
+from .graph import graph_of, run
+from .lift import SNIPPETS
+from .paths import Paths, trace_steps
+from .series import Series, flow
+
+DIGITS = 50
+COUNT = 16
+"""Coefficients of a series that are looked at, after the first."""
+ROUNDING = 1e-15
+"""A few roundings of numbers near 1: constants of the closed form, and Newton's method, end there."""
+LEAST_CHOSEN = 8
+"""The order that a solver which chooses it takes at least, at the tolerances of the models' cases."""
+SHORTER = 64
+"""A step's share at which the power of a loss is read off: there the next power adds a percent or two to the ratio."""
+NEAR_WHOLE = 0.1
+SETTINGS = ("solver_step", "tolerance")
+
+Values = Mapping[str, mpf]
+"""By the name of a symbol; element k of a column `x` is `x_k`."""
+
+
+def numbers_of(columns: Mapping[str, object]) -> dict[str, mpf]:
+    """Values by the names of symbols, from lists by the names of columns."""
+    return {
+        (name if len(column) == 1 else f"{name}_{k}"): mpf(value)
+        for name, column in columns.items()
+        for k, value in enumerate(column)
+    }
+
+
+def at(expression: SX, values: Values) -> list[mpf]:
+    """An expression in 50 digits; symbols without a value are zero."""
+    graph = graph_of(expression)
+    inputs = [exactly(values.get(name, mpf(0))) for name in graph.symbols]
+    return [result.value for result in run(graph, Precise(), inputs)]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A point of a model, as it gives it, and the steps traced there."""
+
+    model: ModuleType
+    given: Mapping[str, list[float]]
+    paths: Paths
+
+    @property
+    def h(self) -> mpf:
+        """The step, s."""
+        return mpf(self.given["h"][0])
+
+    @cached_property
+    def values(self) -> Values:
+        """Of the model's free symbols, and of the variables that follow from them."""
+        free = numbers_of(self.given)
+        columns = {name: at(column, free) for name, column in self.model.point().items()}
+        return numbers_of(columns) | free
+
+    @cached_property
+    def given_to_unit(self) -> dict[str, np.ndarray]:
+        """Parameters and inputs with which the unit itself comes to this point, to the roundings of its start."""
+        columns = {**self.model.point(), **self.model.start(self.model.point())}
+        settings = {name: np.array(value) for name, value in self.given.items() if name in SETTINGS}
+        known = {name: np.array([float(x) for x in at(column, self.values)]) for name, column in columns.items()}
+        return settings | {n: v for n, v in known.items() if n != "elapsed" and n not in self.model.STATES}
+
+    @cached_property
+    def exact(self) -> list[list[mpf]]:
+        """Taylor coefficients of the states along the textbook's motion."""
+        motion = self.model.motion(self.symbols)
+        values = {name: self.values.get(name, mpf(0)) for name in _names(casadi.symvar(casadi.vertcat(*sum(motion, ()))))}
+        found = flow(motion, values, COUNT)
+        return [found[name] for state in self.model.STATES for name in _names(self.symbols[state].elements())]
+
+    @cached_property
+    def symbols(self) -> dict[str, SX]:
+        """A free symbol for each variable."""
+        return {name: SX.sym(name, column.numel()) for name, column in self.model.point().items()}
+
+    def taken(self, solver: str) -> list[list[mpf]]:
+        """Taylor coefficients in h of the states after a step."""
+        after = self.paths.step(solver, self.symbols, SX.sym("h"))
+        graph = graph_of(casadi.vertcat(*[after[state] for state in self.model.STATES]))
+        inputs = [[mpf(0), mpf(1)] if name == "h" else [self.values[name]] for name in graph.symbols]
+        return run(graph, Series(COUNT), inputs)
+
+    def differences(self, solver: str) -> list[mpf]:
+        """The largest difference of the terms of each order, at this case's h."""
+        pairs = list(zip(self.taken(solver), self.exact, strict=True))
+        return [
+            max(abs((a[n] if n < len(a) else 0) - b[n]) for a, b in pairs) * self.h**n for n in range(COUNT + 1)
+        ]
+
+    def size(self, expression: SX, share: int = 1) -> mpf:
+        """The largest element of an expression in the step, at a share of this case's h."""
+        return max(abs(value) for value in at(expression, {**self.values, "h": self.h / share}))
+
+
+Cases = Mapping[str, list[Case]]
+
+
+def _names(symbols: list[SX]) -> list[str]:
+    return [symbol.name() for symbol in symbols]
+
+
+def agreement(differences: list[mpf]) -> int:
+    """The order up to which two series agree."""
+    return next((n - 1 for n, difference in enumerate(differences) if difference > ROUNDING), COUNT)
+
+
+def of_solvers(unit: str, model: ModuleType, cases: Cases) -> Iterator[Row]:
+    """Every claim of a model's table `SOLVERS`; none where there are no cases."""
+    with mp.workdps(DIGITS):
+        for solver, declared in model.SOLVERS.items() if cases else ():
+            agreed = {}
+            for kind, order in declared.orders.items():
+                found = [case.differences(solver) for case in cases[kind]]
+                agreed[kind] = min(map(agreement, found))
+                yield _order(unit, f"{solver}, {model.KINDS[kind]}", order, found, cases[kind])
+            for quantity, (kind, error) in model.QUANTITIES.items():
+                if quantity in declared.keeps:
+                    yield _kept(unit, f"{solver} keeps {quantity}", solver, error, cases[kind])
+                else:
+                    yield _lost(unit, f"{solver} loses {quantity}", solver, error, cases[kind], agreed[kind])
+
+
+def cases_of(sources: Path, model: ModuleType, header_folder: Path = SNIPPETS) -> Cases:
+    """The model's cases with the steps of all its solvers traced, by kind; none where a model has no solvers."""
+    if not hasattr(model, "SOLVERS"):
+        return {}
+    given = {f"{kind}_{k}": case for kind, cases in model.CASES.items() for k, case in enumerate(cases)}
+    values = {}
+    for name, case in given.items():
+        free = numbers_of(case)
+        values[name] = {n: list(map(float, at(column, free))) for n, column in model.point().items()} | case
+    paths = trace_steps(sources, list(model.SOLVERS), list(model.STATES), values, header_folder)
+    return {
+        kind: [Case(model, case, paths[f"{kind}_{k}"]) for k, case in enumerate(cases)]
+        for kind, cases in model.CASES.items()
+    }
+
+
+def _order(unit: str, what: str, order: float | None, found: list[list[mpf]], cases: list[Case]) -> Row:
+    """The claim about an order: a number, every one, or None for one that the tolerance chooses."""
+    how = f"series to h^{COUNT}, {DIGITS} digits" + (f", {len(found)} points" if len(found) > 1 else "")
+    agreed = [agreement(differences) for differences in found]
+    bound = f"agrees up to h^{min(agreed)}"
+    if order == math.inf:
+        left = float(max(max(differences) for differences in found))
+        return Row(unit, f"{what}: all coefficients of the flow", how, f"off by {left:.1g}", min(agreed) == COUNT)
+    if order is None:
+        shares = [
+            float(sum(differences[k + 1 :]) / (case.h * mpf(case.given["tolerance"][0])))
+            for differences, k, case in zip(found, agreed, cases, strict=True)
+        ]
+        holds = min(agreed) >= LEAST_CHOSEN and max(shares) <= 1
+        bound += f", the rest {max(shares):.1g} of the tolerance"
+        return Row(unit, f"{what}: a series that ends within the tolerance", how, bound, holds)
+    left = min(float(differences[int(order) + 1]) for differences in found)
+    bound += f", leaves by {left:.1g}"
+    return Row(unit, f"{what}: order {order}", how, bound, all(k == order for k in agreed))
+
+
+Error = Callable[[Callable, str], SX]
+
+
+def _kept(unit: str, claim: str, solver: str, error: Error, cases: list[Case]) -> Row:
+    size = float(max(case.size(error(case.paths.step, solver)) for case in cases))
+    return Row(unit, claim, f"{DIGITS} digits, {len(cases)} points", f"{size:.1g}", size <= ROUNDING)
+
+
+def _lost(unit: str, claim: str, solver: str, error: Error, cases: list[Case], order: int) -> Row:
+    """A known failure, of the size that the order allows: the flow keeps it, so the loss begins with the power after."""
+    powers = []
+    for case in cases:
+        expression = error(case.paths.step, solver)
+        sizes = [case.size(expression, SHORTER * k) for k in (1, 2)]
+        powers.append(float(mp.log(sizes[0] / sizes[1], 2)) if sizes[1] else math.inf)
+    power = round(min(powers)) if min(powers) < math.inf else math.inf
+    holds = power > order and all(abs(p - round(p)) < NEAR_WHOLE for p in powers if p < math.inf)
+    how = f"{DIGITS} digits, {len(cases)} points"
+    return Row(unit, f"{claim}, no earlier than its order allows", how, f"from h^{power} on", holds)
