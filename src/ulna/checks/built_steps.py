@@ -1,12 +1,14 @@
 """A step of the FMU as built against the same step traced from its sources, for every solver."""
 
+import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
 from casadi import SX
 
-from ..slave import Slave
+from ..slave import Slave, UnitError
+from .arithmetic import UndefinedError
 from .as_built import VALUE_LIMIT, Traced, Worst
 from .claims import Row
 from .solvers import Case
@@ -20,8 +22,10 @@ def steps_as_built(unit: str, path: str | Path, cases: Mapping[str, list[Case]])
     with Slave(path) as slave:
         for case in [case for several in cases.values() for case in several]:
             for solver in case.model.SOLVERS:
-                read, expected = _step(slave, case, solver)
-                worst.see({f"{solver}: {name}": value for name, value in read.items()}, expected)
+                try:
+                    worst.see(*_step(slave, case, solver))
+                except (UndefinedError, UnitError) as error:
+                    worst.ratio, worst.where = math.inf, f"{solver}: {error or 'no value'}"
         yield worst.row(unit, f"FMI {slave.version}: a step of each solver is that of the sources", VALUE_LIMIT)
 
 
@@ -38,5 +42,5 @@ def _step(slave: Slave, case: Case, solver: str) -> tuple[dict, dict]:
     symbols = case.symbols | {"h": SX.sym("h")}
     traced = Traced(case.paths.step(solver, symbols, symbols["h"]), symbols)
     expected = traced.at(case.given_to_unit | here)
-    read = {name: np.atleast_1d(slave.get(name)) for name in model.STATES}
+    read = {f"{solver}: {name}": np.atleast_1d(slave.get(name)) for name in model.STATES}
     return read, {f"{solver}: {name}": value for name, value in expected.items()}

@@ -123,7 +123,7 @@ def _run(command: list[str], folder: Path) -> None:
 def _compile_and_run(sources: Path, text: str, folder: Path, header: Path) -> None:
     (folder / "lift.cpp").write_text(text, encoding="utf-8")
     link = [f"-L{LIBRARY}", "-lcasadi", f"-Wl,-rpath,{LIBRARY}"]
-    _run([*_compiler(), f"-I{header}", f"-I{sources}", "lift.cpp", "-o", "lift", *link], folder)
+    _run([*_compiler(), f"-I{header}", f"-I{SNIPPETS}", f"-I{sources}", "lift.cpp", "-o", "lift", *link], folder)
     _run(["./lift"], folder)
     (folder / "lift").unlink()
 

@@ -23,9 +23,9 @@ SPARE = 3
 class Series:
     """Series up to an order, at mpmath's present precision."""
 
-    def __init__(self, order: int):
-        """`order`: of the last coefficient that is right; some more are kept."""
-        self._order = order + SPARE
+    def __init__(self, order: int, spare: int = 0):
+        """`order`: of the last coefficient that is asked for; `spare`: how many more are carried."""
+        self._order = order + spare
 
     def constant(self, value: float) -> Coefficients:
         """A number; 1.0 / 6.0 is taken for 1/6."""
