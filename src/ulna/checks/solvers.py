@@ -30,12 +30,14 @@ ROUNDING = 1e-15
 """A few roundings of numbers near 1: constants of the closed form, and Newton's method, end there."""
 LEAST_CHOSEN = 8
 """The order that a solver which chooses it takes at least, at the tolerances of the models' cases."""
-SHORTER = 64
+SHORTER = 16
 """A step's share at which the power of a loss is read off: there the next power adds a percent or two to the ratio."""
 NEAR_WHOLE = 0.1
-LOST = 1e-40
-"""What is less is the rounding of 50 digits; a loss of order 16 is 1e-29 there."""
+LOST = 1e-42
+"""What is less may be the rounding of 50 digits."""
 SETTINGS = ("solver_step", "tolerance")
+
+_flows: dict[tuple, list[list[mpf]]] = {}
 
 Values = Mapping[str, mpf]
 """By the name of a symbol; element k of a column `x` is `x_k`."""
@@ -85,11 +87,14 @@ class Case:
         known = {name: np.array([float(x) for x in at(column, self.values)]) for name, column in columns.items()}
         return settings | {n: v for n, v in known.items() if n != "elapsed" and n not in self.model.STATES}
 
-    @cached_property
+    @property
     def exact(self) -> list[list[mpf]]:
-        """Taylor coefficients of the states along the textbook's motion."""
-        found = flow(self.model.motion(self.symbols), self.values, COUNT)
-        return [found[s.name()] for state in self.model.STATES for s in self.symbols[state].elements()]
+        """Taylor coefficients of the states along the textbook's motion; the same whatever the C."""
+        key = (self.model.__name__, *((name, *column) for name, column in self.given.items()))
+        if key not in _flows:
+            found = flow(self.model.motion(self.symbols), self.values, COUNT)
+            _flows[key] = [found[s.name()] for state in self.model.STATES for s in self.symbols[state].elements()]
+        return _flows[key]
 
     @cached_property
     def symbols(self) -> dict[str, SX]:
