@@ -25,9 +25,12 @@ static Status rigid_body_check(const RigidBody *body, Log *log)
 /* Whether anything turns the body over the coming step. */
 static inline bool torque_acts(const RigidBody *body, const LinearLoads *loads)
 {
+    if (!is_zero(loads->start.torque) || !is_zero(loads->slope.torque)) {
+        return true;
+    }
     bool base = !is_zero(body->base) && !(is_zero(loads->start.base_force) && is_zero(loads->slope.base_force));
     bool tip = !is_zero(body->tip) && !(is_zero(loads->start.tip_force) && is_zero(loads->slope.tip_force));
-    return base || tip || !is_zero(loads->start.torque) || !is_zero(loads->slope.torque);
+    return base || tip;
 }
 
 /* The solvers of a fixed step, one formula or iterated; none for those that choose their steps. */

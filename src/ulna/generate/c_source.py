@@ -192,8 +192,8 @@ def _wrappers(unit: Declaration) -> tuple[list[str], dict[str, str]]:
         )
     if any(v.state for v in unit.variables):
         sums = [" + ".join(f"all->{place}" for place in _elements(v)) for v in unit.variables if v.state]
-        body = [f"const {typed} *all = values;", "double sum = 0.0;", *(f"sum += {part};" for part in sums), "return sum;"]
-        signatures["state_sum"] = ("double", "const void *values", "\n    ".join(body))
+        text = [f"const {typed} *all = values;", "double sum = 0.0;", *(f"sum += {s};" for s in sums), "return sum;"]
+        signatures["state_sum"] = ("double", "const void *values", "\n    ".join(text))
     lines = [f"/* The functions of {typed} on untyped memory. */"]
     for member, (result, arguments, body) in signatures.items():
         lines += [f"static {result} unit_{member}({arguments})", "{", f"    {body}", "}", ""]
