@@ -25,6 +25,8 @@ MEETING = 1e-9
 CLOSED = 1e-13
 """Gap that counts as none, over 1 m (or rad) plus the distance from the origin; and the same of velocities."""
 MOST_SWEEPS = 30
+TRIAL = 0.1
+"""Length of the step that finds the first wrenches, over that of the run's."""
 SLOW = 12
 """Sweeps of a step after which the mobility is measured again: it has changed, as that of a hinged body may."""
 REMEMBERED = 5
@@ -53,8 +55,8 @@ def prepare(coupling: Coupling, extrapolation: int) -> Callable[[float, float, f
     joined = list(dict.fromkeys(frame.unit.name for joint in coupling.joints for frame in joint.frames))
     others = [c for c in coupling.connections if {c.source.unit.name, c.target.unit.name}.isdisjoint(joined)]
     order = [name for name in step_order(coupling.units, others) if name not in joined]
-    stepless = [name for name in joined if not coupling.slopes([name]).calls]
-    lines = Lines(coupling, [joined, *([name] for name in order)], stepless)
+    slopeless = [name for name in joined if not coupling.slopes([name]).calls]
+    lines = Lines(coupling, [joined, *([name] for name in order)], slopeless)
     solver = Joined(lines, JointState(coupling, coupling.joints))
     solver.begin()
 
@@ -109,9 +111,9 @@ class Joined:
                     )
 
     def begin(self) -> None:
-        """Finds the wrenches at the start, by a step that is taken back, and reads the outputs with them."""
+        """Finds the wrenches at the start, by a short step that is taken back, and reads the outputs with them."""
         lines, coupling = self._lines, self._coupling
-        time, step = coupling.time.value, coupling.step.value
+        time, step = coupling.time.value, TRIAL * coupling.step.value
         lines.begin(time, step, time + step)
         self.step()
         coupling.call(self._restores)
