@@ -1,4 +1,4 @@
-"""The command: `ulna chart rigid-body`."""
+"""The command `ulna chart`."""
 
 from pathlib import Path
 from typing import Annotated
@@ -8,10 +8,11 @@ from rich.console import Console
 from rich.table import Table
 
 from ..names import unknown
+from .coupling import coupling
 from .rigid_body import rigid_body
 from .statements import Statement
 
-CHARTS = {"rigid-body": rigid_body}
+CHARTS = {"rigid-body": rigid_body, "coupling": coupling}
 
 
 def chart(
@@ -19,7 +20,7 @@ def chart(
     quick: Annotated[bool, typer.Option("--quick", help="Fewer points and repeats, within half a minute.")] = False,
     out: Annotated[Path | None, typer.Option(help="Folder to write to; default: results/chart-CHART.")] = None,
 ) -> None:
-    """Draws accuracy against speed of every solver, and of other libraries that are installed."""
+    """Draws accuracy against time: of every solver beside other libraries, or of every way to couple an arm."""
     console = Console()
     if name not in CHARTS:
         raise typer.BadParameter(unknown("ulna", "chart", name, CHARTS))
@@ -27,7 +28,7 @@ def chart(
     with console.status(name) as status:
         try:
             found = CHARTS[name](folder, quick, status.update)
-        except FileNotFoundError as error:
+        except (FileNotFoundError, ModuleNotFoundError) as error:
             raise typer.BadParameter(str(error)) from None
     show(found, console)
     written = sorted(path.name for path in folder.iterdir() if path.stem.startswith(name.replace("-", "_")))
@@ -36,7 +37,7 @@ def chart(
 
 def show(found: list[Statement], console: Console) -> None:
     """Prints the statements."""
-    table = Table("statement", "value", "bound", "", "", title="What the solvers are held to", title_justify="left")
+    table = Table("statement", "value", "bound", "", "", title="What this is held to", title_justify="left")
     for statement in found:
         bound = f"{'at most' if statement.most else 'at least'} {statement.bound:g}"
         verdict = "[green]holds[/]" if statement.holds else "[red]fails[/]"

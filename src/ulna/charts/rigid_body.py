@@ -1,15 +1,12 @@
 """The whole chart: measured, written as JSON, drawn, and what follows from it."""
 
 import json
-import platform
 from collections.abc import Callable
 from dataclasses import asdict
-from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from .draw import draw
-from .driver import compiler
+from .machine import machine
 from .measure import FULL, QUICK, Effort, Point, timed, unit_candidates
 from .peers import peer_candidates
 from .problems import Problem, problems
@@ -22,7 +19,6 @@ MuJoCo's mj_step, its profiler off, does more than these bodies need: collision,
 trees of bodies. Here there is one body and nothing of that, but the machinery is passed through.
 A right-hand side: all torques at one instant, or one coefficient of a Taylor series; the closed form has none.
 Reference: Taylor series in whole numbers, 45 digits. {machine}."""
-PACKAGES = ("ulna", "mujoco", "scipy", "fmpy", "numpy")
 
 
 def rigid_body(folder: Path, quick: bool = False, say: Callable[[str], None] = lambda _: None) -> list[Statement]:
@@ -52,34 +48,6 @@ def measured(problem: Problem, effort: Effort) -> list[Point]:
     """All points of one problem, of the unit and of the peers, timed in turn."""
     candidates = [*unit_candidates(problem, effort), *peer_candidates(problem, effort)]
     return timed(candidates, problem.end, effort.rounds)
-
-
-def machine() -> dict[str, str]:
-    """What the times belong to."""
-    versions = {}
-    for package in PACKAGES:
-        try:
-            versions[package] = version(package)
-        except PackageNotFoundError:
-            continue
-    return {
-        "processor": processor(),
-        "system": f"{platform.system()} {platform.machine()}",
-        "python": platform.python_version(),
-        "compiler": Path(compiler()).name,
-        "time": datetime.now(UTC).isoformat(timespec="seconds"),
-        **versions,
-    }
-
-
-def processor() -> str:
-    """Name of the processor, as far as the system gives it."""
-    info = Path("/proc/cpuinfo")
-    if info.exists():
-        for line in info.read_text().splitlines():
-            if line.startswith("model name"):
-                return line.partition(":")[2].strip()
-    return platform.processor() or platform.machine()
 
 
 def write(path: Path, points: list[Point], found: list[Statement], here: dict[str, str]) -> None:
