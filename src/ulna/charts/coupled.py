@@ -52,9 +52,7 @@ FULL = CoupledEffort(
     end=5.0,
     macro_rounds=51,
 )
-QUICK = CoupledEffort(
-    (0.02, 0.01, 0.0025, 0.000625), (1e-2,), (1, 2, 5, 10), rounds=1, most=2e4, end=2.0, macro_rounds=5
-)
+QUICK = CoupledEffort((0.01, 0.0025, 0.000625), (1e-2,), (1, 2, 5, 10), rounds=1, most=3e4, end=2.0, macro_rounds=5)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from .coupled import CoupledPoint
 from .statements import Statement
 from .ways import ONE_WAY, RIGID, STIFFNESSES, TWO_WAY, compliant_name
 
-COARSE, FINE, USUAL = 0.02, 0.0025, 0.01  # s
+FINE, USUAL = 0.0025, 0.01  # s
 PYTHON = name_of(master_name("gauss_seidel", 0), "3.0")
 """The default master and version."""
 
@@ -32,16 +32,18 @@ def at(points: Sequence[CoupledPoint], way: str, master: str) -> dict[float, Cou
     return {p.step: p for p in points if (p.way, p.master) == (way, master) and p.tolerance is None}
 
 
-def order(own: dict[float, CoupledPoint]) -> float:
-    """Observed, between COARSE and FINE."""
-    return log(own[COARSE].error / own[FINE].error) / log(COARSE / FINE)
+def order(claim: str, own: dict[float, CoupledPoint], bound: float) -> Iterator[Statement]:
+    """Observed, between the coarsest step and FINE."""
+    coarse = max(own, default=FINE)
+    if FINE in own and coarse > FINE:
+        observed = log(own[coarse].error / own[FINE].error) / log(coarse / FINE)
+        yield Statement(f"{claim}: observed order, {_ms(coarse)} to {_ms(FINE)}", observed, bound, False)
 
 
 def rigid_joints(points: Sequence[CoupledPoint], end: float) -> Iterator[Statement]:
     """Order, gaps and error of the master `rigid`."""
     own = at(points, RIGID, "rigid")
-    if {COARSE, FINE} <= own.keys():
-        yield Statement(f"{RIGID}: observed order, {_ms(COARSE)} to {_ms(FINE)}", order(own), 3.8, False)
+    yield from order(RIGID, own, 3.8)
     if USUAL in own:
         gap = own[USUAL].largest_gap or 0.0
         yield Statement(f"{RIGID}: largest gap at {_ms(USUAL)}, m", gap, 1e-12, True)
@@ -50,9 +52,7 @@ def rigid_joints(points: Sequence[CoupledPoint], end: float) -> Iterator[Stateme
 
 def two_ways(points: Sequence[CoupledPoint]) -> Iterator[Statement]:
     """HingedBody with the loop through acceleration and reaction solved, and with the reaction left out."""
-    own = at(points, TWO_WAY, "newton")
-    if {COARSE, FINE} <= own.keys():
-        yield Statement(f"{TWO_WAY}, newton: observed order, {_ms(COARSE)} to {_ms(FINE)}", order(own), 1.8, False)
+    yield from order(f"{TWO_WAY}, newton", at(points, TWO_WAY, "newton"), 1.8)
     errors = [p.error for p in points if p.way == ONE_WAY]
     if errors:
         yield Statement(f"{ONE_WAY}: least error at any step, rad", min(errors), 1.0, False, "no step mends it")

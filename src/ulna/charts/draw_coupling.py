@@ -21,10 +21,11 @@ from .fronts import front, solvers_of
 from .ways import ONE_WAY, RIGID, STEPPINGS, STIFFNESSES, TWO_WAY, WAYS, WITH_JOINTS, compliant_name
 
 # After Okabe & Ito, which stay apart for the colour-blind; the stiffer a joint, the darker.
+COMPLIANT = [compliant_name(stiffness) for stiffness in STIFFNESSES]
 COLORS = {
     ONE_WAY: "#8a8a8a",
     TWO_WAY: "#0072b2",
-    **{compliant_name(k): color for k, color in zip(STIFFNESSES, ("#e6ab3c", "#d5770f", "#9a3f00"), strict=True)},
+    **dict(zip(COMPLIANT, ("#e6ab3c", "#d5770f", "#9a3f00"), strict=True)),
     RIGID: "#009e73",
 }
 MARKS = dict(
@@ -130,16 +131,19 @@ ABOVE = (1, (0.0, 9.0), "center")
 
 
 def _name(ax: Axes, way: str, own: Sequence[CoupledPoint]) -> None:
-    """The name of a way at its curves."""
+    """The name of a way at its curves; of a stiffness at its column."""
     seen = [point for point in own if point.error > FINEST]
     if not seen:
         return
     end, offset, side = PLACES.get(way, ABOVE)
     point = max(seen, key=lambda p: end * p.seconds)
-    name = way.replace(", ", "\n") if side == "center" else way
     look = {"fontsize": 11, "weight": "bold", "color": COLORS[way], "path_effects": HALO, "zorder": 5}
     place = {"textcoords": "offset points", "ha": side, "va": "bottom" if end > 0 else "top"}
-    ax.annotate(name, (point.error, 1e3 * point.seconds), offset, **place, **look)
+    at = (point.error, 1e3 * point.seconds)
+    unit, _, stiffness = way.partition(", ")
+    ax.annotate(stiffness if way in COMPLIANT else way, at, offset, **place, **look)
+    if way == COMPLIANT[len(COMPLIANT) // 2]:
+        ax.annotate(unit, at, (offset[0], offset[1] + 24.0), **place, **look)
 
 
 def _band(ax: Axes, taken: Sequence[CoupledPoint], errors: Sequence[float]) -> None:
@@ -195,7 +199,7 @@ def _choice(ax: Axes, points: Sequence[CoupledPoint]) -> None:
         if found:
             step = f"{1e3 * found.step:.3g} ms" if found.tolerance is None else f"tol. {found.tolerance:g}"
             master = found.master.replace("extrapolated", "extr.").removesuffix(", by tolerance")
-            cells = [f"{error:.0e} rad".replace("e-0", "e-"), found.way, master, step, f"{1e3 * found.seconds:.2g}"]
+            cells = [f"{error:.0e} rad".replace("e-0", "e-"), found.way, master, step, f"{1e3 * found.seconds:.3g}"]
             rows.append(((COLORS[found.way], "bold"), cells))
     for number, ((color, weight), cells) in enumerate(rows):
         for (x, heading, side), cell in zip(COLUMNS, cells, strict=True):
