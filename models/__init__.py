@@ -11,6 +11,10 @@ column:
 - `step_identities(step)`, where there are states: the same of one step of a solver. `step(solver, values, h)` gives
   the states after it; `values["elapsed"]` is how long before the communication step has begun.
 - `step_failures(step)`: expressions that do NOT vanish: what a solver is known to lose.
+- `SOLVERS`, where there are some: what each declares, as `declared.Solver`: the order of a step by the kind of case,
+  and which of the `QUANTITIES` it keeps. `KINDS` has the kinds in words, `CASES` values for each, by the names of the
+  symbols of `point()` and the step `h`; `QUANTITIES` pairs a kind with what a step changes of it. `motion(values)` is
+  the exact flow as pairs of symbols and rates, `start(values)` the parameters that start a unit there.
 - `SAMPLES`: by the name of a symbol, the range in which it is to be drawn; (-1, 1) for all others. Elements of a
   column `x` are the symbols `x_0`, `x_1`, ...
 

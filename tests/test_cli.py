@@ -82,6 +82,18 @@ def test_master_reaches_the_run(tmp_path):
     assert "wave, jacobi" in done.output
 
 
+def test_tolerance_and_extrapolation_reach_the_run(tmp_path):
+    chosen = ulna("run", "swing", "--until", "0.2", "--step", "0.05", "--tolerance", "1e-3", "--out", tmp_path / "a")
+    assert "macro steps" in chosen.output and "joints" in chosen.output
+    held = ulna("run", "wave", "--until", "0.2", "--master", "jacobi", "--out", tmp_path / "b")
+    lines = ulna("run", "wave", "--until", "0.2", "--master", "jacobi", "--extrapolation", "1", "--out", tmp_path / "c")
+    assert "coupling: error of an input" in held.output
+    assert held.output != lines.output
+    refused = ulna("run", "swing", "--tolerance", "2", "--out", tmp_path / "d")
+    assert refused.exit_code == 2
+    assert "tolerance = 2.0; allowed range: between 0 and 1" in refused.output
+
+
 def test_a_file_is_a_scene(tmp_path):
     path = tmp_path / "mine.py"
     path.write_text(

@@ -129,8 +129,9 @@ static void add_turning_by_spins(Turning *turning, const Spin *a, const Spin *b)
  * any rounding, and gives no turn at all its limit without a branch. */
 static Quaternion rotation_by(Vector turn)
 {
-    real angle = sqrt(dot(turn, turn) + 1e-300);
-    return rotation_about(scale(1.0 / angle, turn), angle);
+    real angle = sqrt(dot(turn, turn) + 1e-300), half = 0.5 * angle;
+    Vector u = scale(sin(half) / angle, turn);
+    return quaternion(cos(half), u.x, u.y, u.z);
 }
 
 /* The turn of the anchor: the integral of its angular velocity w + w' t + w'' t^2 / 2, and the next term of

@@ -213,7 +213,7 @@ static Quaternion canonical_attitude(const FreeMotion *motion, double t)
 }
 
 /* The canonical quaternion a, its four parts taken to what they are in the basis. */
-static Quaternion in_world(const Quaternion basis[4], Quaternion a)
+static inline Quaternion in_world(const Quaternion basis[4], Quaternion a)
 {
     Quaternion q = {0.0, 0.0, 0.0, 0.0};
     q = add_scaled_quaternion(q, a.w, basis[0]);
@@ -334,7 +334,7 @@ static FreeMotion free_motion_setup(Vector inertia, Quaternion q0, Vector angula
 }
 
 /* Body to world, t seconds after the set-up; unit norm, and continuous in t, its sign included. */
-static Quaternion free_motion_attitude(const FreeMotion *motion, double t)
+static inline Quaternion free_motion_attitude(const FreeMotion *motion, double t)
 {
     return in_world(motion->basis, canonical_attitude(motion, t));
 }

@@ -19,7 +19,7 @@ typedef struct LinearLoads {
     Loads start, slope;
 } LinearLoads;
 
-static LinearLoads rigid_body_linear_loads(const RigidBody *body)
+static inline LinearLoads rigid_body_linear_loads(const RigidBody *body)
 {
     LinearLoads loads;
     loads.start = rigid_body_loads(body);
@@ -40,16 +40,15 @@ static Loads loads_at(const LinearLoads *loads, real elapsed)
     return now;
 }
 
-/* Position and momentum after a step: the forces are linear in time, so this is exact. */
-static Motion translated(const RigidBody *body, const LinearLoads *loads, Motion m, real step)
+/* Moves position and momentum over a step: the forces are linear in time, so this is exact. */
+static inline void translate(const RigidBody *body, const LinearLoads *loads, real step, Vector *position, Vector *momentum)
 {
     Vector force = add(loads->start.force, add(loads->start.base_force, loads->start.tip_force));
     Vector slope = add(loads->slope.force, add(loads->slope.base_force, loads->slope.tip_force));
     Vector gain = scale(step, add_scaled(force, step / 2.0, slope));
-    Vector mean = add_scaled(m.linear_momentum, step / 2.0, add_scaled(force, step / 3.0, slope));
-    m.position = add_scaled(m.position, step / body->mass, mean);
-    m.linear_momentum = add(m.linear_momentum, gain);
-    return m;
+    Vector mean = add_scaled(*momentum, step / 2.0, add_scaled(force, step / 3.0, slope));
+    *position = add_scaled(*position, step / body->mass, mean);
+    *momentum = add(*momentum, gain);
 }
 
 /* Turns from q with the constant angular velocity w, to first order, back to the unit sphere. */
@@ -140,7 +139,8 @@ static Motion rk4_free_step(const RigidBody *body, const LinearLoads *loads, Mot
     static const double at[4] = {0.0, 0.5, 0.5, 1.0};
     static const double weight[4] = {1.0, 2.0, 2.0, 1.0};
     LinearLoads here = {loads_at(loads, elapsed), loads->slope};
-    Motion next = translated(body, &here, m, h);
+    Motion next = m;
+    translate(body, &here, h, &next.position, &next.linear_momentum);
     Vector i = body->inertia;
     Vector ratio = vector((i.y - i.z) / i.x, (i.z - i.x) / i.y, (i.x - i.y) / i.z);
     Vector inverse = vector(1.0 / i.x, 1.0 / i.y, 1.0 / i.z);

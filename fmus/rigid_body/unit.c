@@ -23,11 +23,14 @@ static Status rigid_body_check(const RigidBody *body, Log *log)
 }
 
 /* Whether anything turns the body over the coming step. */
-static bool torque_acts(const RigidBody *body, const LinearLoads *loads)
+static inline bool torque_acts(const RigidBody *body, const LinearLoads *loads)
 {
+    if (!is_zero(loads->start.torque) || !is_zero(loads->slope.torque)) {
+        return true;
+    }
     bool base = !is_zero(body->base) && !(is_zero(loads->start.base_force) && is_zero(loads->slope.base_force));
     bool tip = !is_zero(body->tip) && !(is_zero(loads->start.tip_force) && is_zero(loads->slope.tip_force));
-    return base || tip || !is_zero(loads->start.torque) || !is_zero(loads->slope.torque);
+    return base || tip;
 }
 
 /* The solvers of a fixed step, one formula or iterated; none for those that choose their steps. */
@@ -91,18 +94,31 @@ static bool same_quaternion(Quaternion a, Quaternion b)
 }
 
 /* The closed form, on from where it has arrived; set up anew where anything else has moved the body. */
-static void free_steps(RigidBody *body, double step, Motion *motion)
+static inline void turn_freely(RigidBody *body, double step)
 {
     FreeMotion *free = (FreeMotion *)(void *)body->free_motion;
-    if (!same_quaternion(motion->orientation, body->free_orientation) ||
-        !same_vector(motion->angular_momentum, body->free_momentum)) {
-        *free = free_motion_setup(body->inertia, motion->orientation, motion->angular_momentum);
+    if (!same_quaternion(body->orientation, body->free_orientation) ||
+        !same_vector(body->angular_momentum, body->free_momentum)) {
+        *free = free_motion_setup(body->inertia, body->orientation, body->angular_momentum);
         body->free_since = body->time;
-        body->free_momentum = motion->angular_momentum;
+        body->free_momentum = body->angular_momentum;
     }
     /* a difference of times, not a sum of steps: no rounding adds up */
-    motion->orientation = free_motion_attitude(free, body->time + step - body->free_since);
-    body->free_orientation = motion->orientation;
+    Quaternion attitude = free_motion_attitude(free, body->time + step - body->free_since);
+    body->orientation = attitude;
+    body->free_orientation = attitude;
+}
+
+/* Translation and the closed form, where no torque acts; false where one does. */
+static bool free_step(RigidBody *body, double step)
+{
+    LinearLoads loads = rigid_body_linear_loads(body);
+    if (torque_acts(body, &loads)) {
+        return false;
+    }
+    translate(body, &loads, step, &body->position, &body->linear_momentum);
+    turn_freely(body, step);
+    return true;
 }
 
 static double least(Vector v)
@@ -118,11 +134,7 @@ static double largest(Vector v)
 /* Translation needs no steps at all; rotation takes those that it needs. */
 static Status chosen_steps(RigidBody *body, const LinearLoads *loads, double step, Motion *motion, Log *log)
 {
-    *motion = translated(body, loads, *motion, step);
-    if (body->solver != RIGID_BODY_SOLVER_TAYLOR && !torque_acts(body, loads)) {
-        free_steps(body, step, motion);
-        return STATUS_OK;
-    }
+    translate(body, loads, step, &motion->position, &motion->linear_momentum);
     double tolerance = body->solver == RIGID_BODY_SOLVER_EXACT ? TAYLOR_ROUND_OFF : body->tolerance;
     /* the rate follows from L and the attitude, whose error a slender body multiplies */
     double ratio = least(body->inertia) / largest(body->inertia);
@@ -132,6 +144,10 @@ static Status chosen_steps(RigidBody *body, const LinearLoads *loads, double ste
 
 static Status rigid_body_step(RigidBody *body, double step, Log *log)
 {
+    bool closed = body->solver == RIGID_BODY_SOLVER_EXACT || body->solver == RIGID_BODY_SOLVER_AUTOMATIC;
+    if (closed && free_step(body, step)) {
+        return STATUS_OK;
+    }
     LinearLoads loads = rigid_body_linear_loads(body);
     Motion motion = {body->position, body->orientation, body->linear_momentum, body->angular_momentum, false};
     Status status = fixed_step_solver(body->solver) ? fixed_steps(body, &loads, step, &motion, log)

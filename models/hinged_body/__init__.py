@@ -1,7 +1,23 @@
 """HingedBody from the textbook."""
 
-from .equations import SAMPLES, equations, symbols
+from .equations import SAMPLES, STATES, equations, symbols
 from .identities import identities
-from .steps import step_failures, step_identities
+from .solvers import CASES, KINDS, SOLVERS
+from .steps import QUANTITIES, motion, point, start, step_failures, step_identities
 
-__all__ = ["SAMPLES", "equations", "identities", "step_failures", "step_identities", "symbols"]
+__all__ = [
+    "CASES",
+    "KINDS",
+    "QUANTITIES",
+    "SAMPLES",
+    "SOLVERS",
+    "STATES",
+    "equations",
+    "identities",
+    "motion",
+    "point",
+    "start",
+    "step_failures",
+    "step_identities",
+    "symbols",
+]

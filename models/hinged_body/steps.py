@@ -21,10 +21,12 @@ from ..algebra import (
     unit_vector,
 )
 from .equations import ANCHOR, STATES, anchor_motion, equations, free_symbols, symbols
+from .solvers import AREAS, ENERGY, SOLVERS
 
 Step = Callable[[str, Values, SX], Mapping[str, SX]]
 
-ORDERS = {"explicit_euler": 1, "semi_implicit_euler": 1, "rk4": 4}
+ORDERS = {name: SOLVERS[name].orders["turning"] for name in ("explicit_euler", "semi_implicit_euler", "rk4")}
+"""Of those whose step is one formula, without a branch."""
 SLOPES = ("target_angle", "torque", "tip_force", "tip_torque", "anchor_acceleration", "anchor_angular_acceleration")
 
 
@@ -32,10 +34,17 @@ def _slopes(values: Values) -> Values:
     return {f"{name}_rate": SX.sym(f"{name}_rate", values[name].numel()) for name in SLOPES}
 
 
-def _point() -> Values:
+def point() -> Values:
     """Free symbols, inputs that change in time, the anchor's quaternion of length 1."""
     values = symbols() | {"anchor_orientation": unit_quaternion("anchor_attitude")}
     return values | _slopes(values) | {"elapsed": SX.sym("elapsed")}
+
+
+def motion(values: Values) -> list[tuple[SX, SX]]:
+    """The exact flow of free symbols: the states first, the anchor, and the inputs that change, with their rates."""
+    rates = equations(values)
+    moving = [(values[name], rates[f"der({name})"]) for name in STATES] + anchor_motion(values)
+    return moving + [(values[name], values[f"{name}_rate"]) for name in SLOPES]
 
 
 def _turning_about(axis: SX, values: Values) -> tuple[Values, SX]:
@@ -62,11 +71,8 @@ def _series_error(step: Step, solver: str, count: int, values: Values, turn: SX)
     """Taylor coefficients 0 to `count` of the step less those of the exact flow, the anchor turned as said."""
     symbol = free_symbols()
     symbol |= _slopes(symbol)
-    rates = equations(symbol)
-    motion = [(symbol[name], rates[f"der({name})"]) for name in STATES] + anchor_motion(symbol)
-    motion += [(symbol[name], symbol[f"{name}_rate"]) for name in SLOPES]
     later = _later(values, turn)
-    exact = flow_series(ca.vertcat(*[symbol[name] for name in STATES]), motion, count)
+    exact = flow_series(ca.vertcat(*[symbol[name] for name in STATES]), motion(symbol), count)
     h = SX.sym("h")
     after = step(solver, values, h)
     taken = step_series(ca.vertcat(*[after[name] for name in STATES]), h, count)
@@ -75,22 +81,40 @@ def _series_error(step: Step, solver: str, count: int, values: Values, turn: SX)
 
 
 def _steady_axis_error(step: Step, solver: str, count: int) -> list[SX]:
-    values, turn = _turning_about(unit_vector("anchor_axis"), _point())
+    values, turn = _turning_about(unit_vector("anchor_axis"), point())
     return _series_error(step, solver, count, values, turn)
 
 
 def _area(step: Step, solver: str) -> SX:
     """Factor of areas of angle and rate in one step without damping and friction, less 1."""
-    values, _ = _turning_about(unit_vector("anchor_axis"), _point())
-    values |= {"damping": SX(0), "friction": SX(0)}
+    values = point() | {"damping": SX(0), "friction": SX(0)}
     after = step(solver, values, SX.sym("h"))
     slope = ca.jacobian(ca.vertcat(after["angle"], after["rate"]), ca.vertcat(values["angle"], values["rate"]))
     return slope[0, 0] * slope[1, 1] - slope[0, 1] * slope[1, 0] - 1
 
 
+def _energy_error(step: Step, solver: str) -> SX:
+    """What a step adds to the energy where the anchor rests, nothing damps, and weight and muscle alone act."""
+    values = point()
+    still = [name for name in (*ANCHOR, *SLOPES) if name not in ("anchor_orientation", "target_angle")]
+    rates = [f"{name}_rate" for name in SLOPES]
+    values |= {name: SX.zeros(values[name].numel()) for name in ("damping", "friction", *still, *rates)}
+    before, after = equations(values), equations(values | step(solver, values, SX.sym("h")))
+    return sum(after[name] - before[name] for name in ("kinetic_energy", "potential_energy"))
+
+
+QUANTITIES = {AREAS: ("turning", _area), ENERGY: ("resting", _energy_error)}
+"""What the exact flow keeps: the kind of case, and what a step changes of it."""
+
+
+def start(values: Values) -> Values:
+    """The parameters with which the body starts from the states of `values`."""
+    return {f"initial_{name}": values[name] for name in STATES}
+
+
 def _turned_step(step: Step, solver: str) -> SX:
     """A step seen from turned axes, less the step."""
-    values, _ = _turning_about(unit_vector("anchor_axis"), _point())
+    values, _ = _turning_about(unit_vector("anchor_axis"), point())
     turn, h = unit_quaternion("turn"), SX.sym("h")
     matrix = rotation_matrix(turn)
     world = [name for name in ANCHOR if name != "anchor_orientation"] + ["gravity", "tip_force", "tip_torque"]

@@ -1,7 +1,24 @@
 """RigidBody from the textbook."""
 
-from .equations import SAMPLES, equations, symbols
+from .equations import SAMPLES, STATES, equations, symbols
 from .identities import identities
-from .steps import poisson_residual, step_failures, step_identities
+from .solvers import CASES, KINDS, SOLVERS
+from .steps import QUANTITIES, motion, point, poisson_residual, start, step_failures, step_identities
 
-__all__ = ["SAMPLES", "equations", "identities", "poisson_residual", "step_failures", "step_identities", "symbols"]
+__all__ = [
+    "CASES",
+    "KINDS",
+    "QUANTITIES",
+    "SAMPLES",
+    "SOLVERS",
+    "STATES",
+    "equations",
+    "identities",
+    "motion",
+    "point",
+    "poisson_residual",
+    "start",
+    "step_failures",
+    "step_identities",
+    "symbols",
+]

@@ -20,17 +20,26 @@ from ..algebra import (
     unit_quaternion,
 )
 from .equations import LOADS, STATES, equations, symbols
+from .solvers import BODY_BRACKET, BRACKET, ENERGY, MOMENTUM, SOLVERS
 
 Step = Callable[[str, Values, SX], Mapping[str, SX]]
 
-ORDERS = {"explicit_euler": 1, "notes": 1, "splitting": 2, "rk4": 4}
-NO_POISSON_MAP = ("explicit_euler", "notes", "rk4")
+ORDERS = {name: SOLVERS[name].orders["loaded"] for name in ("explicit_euler", "notes", "splitting", "rk4")}
+"""Of those whose step is one formula, without a branch."""
+NO_POISSON_MAP = tuple(name for name in ORDERS if BRACKET not in SOLVERS[name].keeps)
 
 
-def _point() -> Values:
+def point() -> Values:
     """Free symbols, with loads that change in time; the orientation has length 1, to which a step returns it."""
     slopes = {f"{name}_rate": SX.sym(f"{name}_rate", 3) for name in LOADS}
     return symbols() | slopes | {"orientation": unit_quaternion("attitude"), "elapsed": SX.sym("elapsed")}
+
+
+def motion(values: Values) -> list[tuple[SX, SX]]:
+    """The exact flow of free symbols: the states first, and the loads that change in time, with their rates."""
+    rates = equations(values)
+    moving = [(values[name], rates[f"der({name})"]) for name in STATES]
+    return moving + [(values[name], values[f"{name}_rate"]) for name in LOADS]
 
 
 def _later(values: Values) -> Values:
@@ -48,13 +57,10 @@ def _stacked(states: Mapping[str, SX]) -> SX:
 
 def _series_error(step: Step, solver: str, count: int) -> list[SX]:
     """Taylor coefficients 0 to `count` of the step less those of the exact flow."""
-    values = _point()
+    values = point()
     symbol = values | {"orientation": SX.sym("orientation", 4)}
-    rates = equations(symbol)
-    motion = [(symbol[name], rates[f"der({name})"]) for name in STATES]
-    motion += [(symbol[name], symbol[f"{name}_rate"]) for name in LOADS]
     h = SX.sym("h")
-    exact = flow_series(_stacked(symbol), motion, count)
+    exact = flow_series(_stacked(symbol), motion(symbol), count)
     taken = step_series(_stacked(step(solver, symbol, h)), h, count)
     later = _later(symbol)
     loaded = [substituted(b, [(symbol[name], later[name]) for name in LOADS]) for b in exact]
@@ -74,7 +80,7 @@ def _written_out(values: Values, h: SX, *, new: bool) -> Values:
 
 def _translation_map(step: Step, solver: str) -> SX:
     """M^T J M - J of one step's Jacobian in position and momentum, in a field of force with a potential."""
-    values = _without(_point(), *LOADS)
+    values = _without(point(), *LOADS)
     x, momentum, stiffness = values["position"], values["linear_momentum"], SX.sym("stiffness", 3)
     potential = ca.dot(stiffness, x**2) + x[0] * x[1] * x[2] + ca.dot(x, x) ** 2
     after = step(solver, values | {"force": -ca.gradient(potential, x)}, SX.sym("h"))
@@ -91,7 +97,7 @@ def _poisson_matrix(q: SX, momentum: SX) -> SX:
 
 def poisson_residual(step: Step, solver: str) -> SX:
     """D B(z) D^T - B(z1) of a torque-free step z -> z1 with the Jacobian D: zero for a Poisson map, 49 elements."""
-    values = _without(_point(), *LOADS)
+    values = _without(point(), *LOADS)
     q, momentum = SX.sym("orientation", 4), values["angular_momentum"]
     after = step(solver, values | {"orientation": q}, SX.sym("h"))
     turned, moved = after["orientation"], after["angular_momentum"]
@@ -100,9 +106,20 @@ def poisson_residual(step: Step, solver: str) -> SX:
     return substituted(ca.vec(residual), [(q, values["orientation"])])
 
 
+def body_poisson_residual(step: Step, solver: str) -> SX:
+    """The same of the momenta in body axes, m -> m1: D [m] D^T - [m1], 9 elements."""
+    values = _without(point(), *LOADS)
+    attitude, body = rotation_matrix(values["orientation"]), SX.sym("body_momentum", 3)
+    after = step(solver, values | {"angular_momentum": attitude @ body}, SX.sym("h"))
+    moved = rotation_matrix(after["orientation"]).T @ after["angular_momentum"]
+    slope = ca.jacobian(moved, body)
+    residual = slope @ skew(body) @ slope.T - skew(moved)
+    return substituted(ca.vec(residual), [(body, attitude.T @ values["angular_momentum"])])
+
+
 def _turned_step(step: Step, solver: str) -> SX:
     """A step seen from turned axes, less the turned step."""
-    values, turn, h = _point(), unit_quaternion("turn"), SX.sym("h")
+    values, turn, h = point(), unit_quaternion("turn"), SX.sym("h")
     matrix = rotation_matrix(turn)
     world = [*LOADS, *[f"{name}_rate" for name in LOADS], "gravity", "position", "linear_momentum", "angular_momentum"]
     seen = values | {name: matrix @ values[name] for name in world}
@@ -115,11 +132,35 @@ def _turned_step(step: Step, solver: str) -> SX:
 
 def _energy_error(step: Step, solver: str) -> SX:
     """What a torque-free step adds to the kinetic energy."""
-    values = _without(_point(), *LOADS)
+    values = _without(point(), *LOADS)
     after = step(solver, values, SX.sym("h"))
     spin = {name: after[name] for name in ("orientation", "angular_momentum")}
     still = values | {"linear_momentum": SX.zeros(3)}
     return equations(still | spin)["kinetic_energy"] - equations(still)["kinetic_energy"]
+
+
+def _momentum_error(step: Step, solver: str) -> SX:
+    """What a torque-free step changes of the angular momentum, and of the quaternion's length 1."""
+    values = _without(point(), *LOADS)
+    after = step(solver, values, SX.sym("h"))
+    q = after["orientation"]
+    return ca.vertcat(after["angular_momentum"] - values["angular_momentum"], ca.dot(q, q) - 1)
+
+
+QUANTITIES = {
+    MOMENTUM: ("free", _momentum_error),
+    ENERGY: ("free", _energy_error),
+    BRACKET: ("free", poisson_residual),
+    BODY_BRACKET: ("free", body_poisson_residual),
+}
+"""What the exact flow keeps: the kind of case, and what a step changes of it."""
+
+
+def start(values: Values) -> Values:
+    """The parameters with which the body starts from the states of `values`."""
+    results = equations(values)
+    same = {f"initial_{name}": values[name] for name in ("position", "orientation")}
+    return same | {f"initial_{name}": results[name] for name in ("velocity", "angular_velocity")}
 
 
 def step_identities(step: Step) -> dict[str, SX]:
@@ -127,7 +168,7 @@ def step_identities(step: Step) -> dict[str, SX]:
     h = SX.sym("h")
     claims = {}
     for solver, order in ORDERS.items():
-        values = _point()
+        values = point()
         loaded, free = step(solver, values, h), step(solver, _without(values, *LOADS), h)
         q = loaded["orientation"]
         claims |= {
@@ -140,7 +181,7 @@ def step_identities(step: Step) -> dict[str, SX]:
             - h * values["mass"] * values["gravity"],
             f"{solver}: a step in turned axes is the turned step": _turned_step(step, solver),
         }
-    values = _point()
+    values = point()
     for solver, how, new in (
         ("explicit_euler", "all from the old state", False),
         ("notes", "place and attitude from the new momenta, those from the old forces", True),
@@ -160,7 +201,7 @@ def step_identities(step: Step) -> dict[str, SX]:
 
 def _fall_error(step: Step, solver: str) -> SX:
     """Position and momentum after a step, less those of the parabola that the forces bend."""
-    values, h = _point(), SX.sym("h")
+    values, h = point(), SX.sym("h")
     after = step(solver, values, h)
     forces = ("force", "base_force", "tip_force")
     later = _later(values)

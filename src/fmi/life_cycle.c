@@ -35,15 +35,17 @@ static void list_modes(unsigned modes, char text[MODE_TEXT])
     }
 }
 
-static Status instance_allows(Instance *instance, const char *call, unsigned modes)
+static Status refuse_mode(Instance *instance, const char *call, unsigned modes)
 {
-    if (instance->mode & modes) {
-        return STATUS_OK;
-    }
     char now[MODE_TEXT], allowed[MODE_TEXT];
     list_modes(instance->mode, now);
     list_modes(modes, allowed);
     return report(&instance->log, STATUS_ERROR, "%s is not allowed in %s; allowed in: %s", call, now, allowed);
+}
+
+static Status instance_allows(Instance *instance, const char *call, unsigned modes)
+{
+    return instance->mode & modes ? STATUS_OK : refuse_mode(instance, call, modes);
 }
 
 static Status instance_change_mode(Instance *instance, const char *call, unsigned from, Mode to)
@@ -236,8 +238,7 @@ static Status instance_prepare(Instance *instance)
     return STATUS_OK;
 }
 
-/* Brings the given groups up to date. */
-static Status instance_refresh(Instance *instance, uint32_t groups)
+static Status check_and_evaluate(Instance *instance, uint32_t groups)
 {
     if (instance->unchecked) {
         Status status = check_values(instance);
@@ -260,6 +261,12 @@ static Status instance_refresh(Instance *instance, uint32_t groups)
     }
     instance->stale &= ~groups;
     return STATUS_OK;
+}
+
+/* Brings the given groups up to date. */
+static Status instance_refresh(Instance *instance, uint32_t groups)
+{
+    return instance->unchecked || (groups & instance->stale) ? check_and_evaluate(instance, groups) : STATUS_OK;
 }
 
 static Status instance_exit_initialization(Instance *instance, const char *call)

@@ -15,11 +15,16 @@ static double next_event(const Instance *instance)
     return unit.next_event ? unit.next_event(instance->values) : INFINITY;
 }
 
+static bool event_is_due(const Instance *instance, double by)
+{
+    return unit.next_event && unit.next_event(instance->values) <= by;
+}
+
 /* Handles all events that are due; each moves the unit's next event onwards. */
 static void handle_events(Instance *instance)
 {
     double now = instance_time(instance);
-    while (next_event(instance) <= now + same_time(now)) {
+    while (event_is_due(instance, now + same_time(now))) {
         report_event(&instance->log, "event at %.9g s", now);
         unit.event(instance->values);
         instance->stale = UINT32_MAX;
@@ -48,8 +53,8 @@ static Status check_step(Instance *instance, double point, double size)
     return STATUS_OK;
 }
 
-/* A step too long for its solver ends in infinities: better said where it happens. */
-static Status check_states_finite(Instance *instance, double size)
+/* Says which state is no finite number, if one is none: their sum may overflow where they do not. */
+static Status name_infinite_state(Instance *instance, double size)
 {
     for (size_t i = 0; i < unit.state_variables; i++) {
         const Variable *variable = &unit.variables[unit.states[i]];
@@ -66,6 +71,13 @@ static Status check_states_finite(Instance *instance, double size)
         }
     }
     return STATUS_OK;
+}
+
+/* A step too long for its solver ends in infinities: better said where it happens. */
+static Status check_states_finite(Instance *instance, double size)
+{
+    bool finite = !unit.state_sum || isfinite(unit.state_sum(instance->values));
+    return finite ? STATUS_OK : name_infinite_state(instance, size);
 }
 
 static Status advance(Instance *instance, double to)
@@ -101,7 +113,7 @@ static Status instance_step(Instance *instance, double point, double size, StepR
     instance_set_time(instance, point);
     handle_events(instance);
     double event = next_event(instance);
-    while (status <= STATUS_WARNING && event < end - same_time(end)) {
+    while (unit.next_event && status <= STATUS_WARNING && event < end - same_time(end)) {
         status = advance(instance, event);
         if (stop_at_events) {
             result->event_needed = true;

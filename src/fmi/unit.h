@@ -64,6 +64,7 @@ typedef struct Unit {
     void (*initialize)(void *values);
     Status (*check)(const void *values, Log *log);
     Status (*step)(void *values, double step, Log *log);
+    double (*state_sum)(const void *values); /* of all states: finite only where each of them is */
     double (*next_event)(const void *values);
     void (*event)(void *values);
     size_t (*workspace_size)(const void *values);

@@ -100,7 +100,7 @@ class Controlled:
         del self._rows[:-2], self._probes[:-2], self._times[:-2]
 
     def _row(self) -> np.ndarray:
-        return self._coupling.outputs[FLOAT64].copy()
+        return self._coupling.outputs.get(FLOAT64, np.zeros(0)).copy()
 
     def _probe(self) -> np.ndarray:
         return self._coupling.probed.get(FLOAT64, np.zeros(0)).copy()

@@ -167,7 +167,8 @@ def _grid_triangles(columns: int, rows: int) -> np.ndarray:
 def parts(results: Results, scene: Scene) -> list[Part]:
     """All rigid things of a scene; a bone in a skin is not seen. Raises KeyError if their motion was not recorded."""
     drawn = []
-    covered = [source_of(scene, skin.forearm_position) for skin in units_of(scene, "ArmSkin")]
+    skins = units_of(scene, "ArmSkin")
+    covered = [source_of(scene, bone) for skin in skins for bone in (skin.forearm_position, skin.upper_arm_position)]
     for unit in scene.units.values():
         if unit.slave.description.name in LOOKS and unit not in covered:
             look = LOOKS[unit.slave.description.name]

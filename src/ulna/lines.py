@@ -2,7 +2,8 @@
 
 A line starts at what the sources put out at the begin of the step. It ends at what they put out at the end where that
 is known already, at the signal's value there, or else at a guess: the line through the last two steps, which a master
-may improve. Units take the slope through `slopes`; one that takes none is given the mean over the step.
+may improve. Units take the slope through `slopes`. One that takes it of some inputs only is given the others as they
+are at the begin: it continues them by those, as HingedBody its anchor's motion. One that takes none is given the mean.
 """
 
 from collections.abc import Collection, Iterable, Sequence
@@ -29,7 +30,8 @@ class Part:
         self.fresh = np.intersect1d(np.setdiff1d(lines.connected, lines.late), mine)
         whole = [name for name in units if name not in halved]
         self.slopes = coupling.slopes(whole)
-        self.held = np.setdiff1d(_indices(place for _, place in coupling.float_inputs(whole)), self.slopes.places)
+        slopeless = [name for name in whole if not coupling.slopes([name]).calls]
+        self.held = _indices(place for _, place in coupling.float_inputs(slopeless))
         self.sets, self.steps = coupling.sets(whole), coupling.steps(whole)
         self.halves = [(coupling.sets([name]), coupling.steps([name])) for name in units if name in halved]
         self.settings = coupling.sets([name for name in units if coupling.feeds_through(name)])

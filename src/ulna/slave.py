@@ -334,7 +334,9 @@ class Slave:
     # Errors
 
     def fail(self, call: str, status: int) -> None:
-        """Raises the UnitError of a call that returned a bad status."""
+        """Raises the UnitError of a call that returned a bad status; after a fatal one no call is allowed any more."""
+        if STATUS_NAMES[status] == "fatal":
+            self._close.detach()
         raise UnitError(self.name, call, STATUS_NAMES[status], self.time, self.messages.take_errors())
 
     def _call(self, method: str, *arguments: Any, **keywords: Any) -> Any:

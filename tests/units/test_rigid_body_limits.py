@@ -33,3 +33,13 @@ def test_a_step_beyond_the_limit_of_a_solver_is_said_once(solver: str, limit: fl
 @pytest.mark.parametrize("solver", ["taylor", "exact", "automatic"])
 def test_a_solver_that_chooses_its_steps_has_no_limit(solver: str) -> None:
     assert warnings(solver, 100.0) == 0
+
+
+def test_states_whose_sum_is_beyond_all_numbers_are_no_error() -> None:
+    place = [1.7e308, 1.7e308, -1e308]
+    with Slave("RigidBody") as body:
+        for name, value in {"initial_position": place, "gravity": [0, 0, 0]}.items():
+            body.set(name, value)
+        body.initialize()
+        body.step(0.0, 1.0)
+        assert list(body.get("position")) == place

@@ -13,12 +13,16 @@ import fmpy
 
 HERE = Path(__file__).resolve().parent
 HEADERS = Path(fmpy.__file__).parent / "c-code"
-FLAGS = ("-std=c11", "-O3", "-DNDEBUG", "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared")
-"""Those with which the units are built."""
+FLAGS = (
+    *("-std=c11", "-O3", "-DNDEBUG", "-ffp-contract=off", "-fno-math-errno", "-fno-tree-slp-vectorize"),
+    *("-fPIC", "-shared"),
+)
+"""Those with which the bodies are built."""
 ARGUMENTS = {
     "time_steps": (c_void_p, c_void_p, c_void_p, c_void_p, c_double, c_long, c_long),
     "time_advances": (c_void_p, c_void_p, c_void_p, c_long),
     "time_bare": (c_void_p, c_double, c_long),
+    "time_attitude": (c_void_p, c_double, c_long),
 }
 
 

@@ -15,16 +15,19 @@ import fmpy
 from ..generate.package import platform_folder, write_fmu
 from ..paths import fmu
 from .as_built import unit_as_built
+from .built_steps import steps_as_built
 from .claims import Row, of_equations, of_steps
 from .judge import VERSIONS, units
-from .lift import SNIPPETS, extract, lift, precompiled
+from .lift import SNIPPETS, extract, lift, precompiled, read_header
 from .mutants import Mutant, all_mutants
 from .needs import c_compiler
+from .solvers import cases_of, of_solvers
 from .textbook import load_model
 
 STEP_FILES = ("solvers.c", "splitting.c")
-UNIT_FILES = ("vector.h", "equations.h", "deform.c", *STEP_FILES)
-"""What is traced; the rest of an FMU's C is judged as built."""
+PATH_FILES = ("geometric.c", "moser_veselov_series.h", "taylor.c", "adaptive.c", "exact.c", "elliptic.c")
+UNIT_FILES = ("vector.h", "equations.h", "deform.c", *STEP_FILES, *PATH_FILES)
+"""What is traced, the PATH_FILES along a path only; the rest of an FMU's C is judged as built."""
 
 
 @dataclass(frozen=True)
@@ -64,10 +67,16 @@ def judge_mutant(mutant: Mutant, header: Path = SNIPPETS) -> list[Row]:
         if mutant.undeclared or mutant.file not in UNIT_FILES:
             versions = [version for version in VERSIONS if f"sources/{mutant.file}" in _files(mutant.unit, version)]
             return [row for version in versions for row in _as_built(mutant, version, folder / version)]
-        sources = mutated(mutant, VERSIONS[0], folder) / "sources"
+        return list(_traced(mutant, mutated(mutant, VERSIONS[0], folder) / "sources", header))
+
+
+def _traced(mutant: Mutant, sources: Path, header: Path) -> Iterator[Row]:
+    model = load_model(read_header(sources / "variables.h").snake)
+    if mutant.file not in PATH_FILES:
         claims = of_steps if mutant.file in STEP_FILES else of_equations
-        lifted = lift(sources, header)
-        return list(claims(mutant.unit, lifted, load_model(lifted.header.snake)))
+        yield from claims(mutant.unit, lift(sources, header), model)
+    if mutant.file in STEP_FILES + PATH_FILES:
+        yield from of_solvers(mutant.unit, model, cases_of(sources, model, header))
 
 
 def _files(unit: str, version: str) -> list[str]:
@@ -93,8 +102,11 @@ def _as_built(mutant: Mutant, version: str, folder: Path) -> Iterator[Row]:
     compile_sources(mutant.unit, version, whole)
     path = folder / f"{mutant.unit}.fmu"
     write_fmu(path, {p.relative_to(whole).as_posix(): p.read_bytes() for p in whole.rglob("*") if p.is_file()})
-    lifted = lift(extract(path if mutant.undeclared else fmu(mutant.unit, version), folder / "lifted"))
-    yield from unit_as_built(mutant.unit, path, lifted, load_model(lifted.header.snake))
+    sources = extract(path if mutant.undeclared else fmu(mutant.unit, version), folder / "lifted")
+    lifted = lift(sources)
+    model = load_model(lifted.header.snake)
+    yield from unit_as_built(mutant.unit, path, lifted, model)
+    yield from steps_as_built(mutant.unit, path, cases_of(sources, model))
 
 
 def compile_sources(unit: str, version: str, folder: Path) -> None:

@@ -123,7 +123,7 @@ def _run(command: list[str], folder: Path) -> None:
 def _compile_and_run(sources: Path, text: str, folder: Path, header: Path) -> None:
     (folder / "lift.cpp").write_text(text, encoding="utf-8")
     link = [f"-L{LIBRARY}", "-lcasadi", f"-Wl,-rpath,{LIBRARY}"]
-    _run([*_compiler(), f"-I{header}", f"-I{sources}", "lift.cpp", "-o", "lift", *link], folder)
+    _run([*_compiler(), f"-I{header}", f"-I{SNIPPETS}", f"-I{sources}", "lift.cpp", "-o", "lift", *link], folder)
     _run(["./lift"], folder)
     (folder / "lift").unlink()
 
@@ -138,17 +138,8 @@ def precompiled() -> Iterator[Path]:
         yield folder
 
 
-def lift(sources: str | Path, header_folder: Path = SNIPPETS) -> "Lifted":
-    """Traces the unit whose C files lie in `sources` (the folder of that name in an FMU).
-
-    `header_folder` holds lift.hpp: see `precompiled`.
-
-    Raises LiftError if the C cannot be traced, MissingNeedError if there is no C++ compiler.
-    """
-    sources = Path(sources).resolve()
-    header = read_header(sources / "variables.h")
-    groups = groups_of(header, (sources / "equations.h").read_text(encoding="utf-8"))
-    text = program(header, groups, SNIPPETS / f"{header.snake}.cpp")
+def traced(sources: Path, text: str, header_folder: Path) -> dict[str, casadi.Function]:
+    """The functions that a program saves when it is compiled with a unit's sources and run; kept for the next time."""
     folder = cache_folder() / _digest(sources, text)
     if not folder.is_dir():
         folder.parent.mkdir(parents=True, exist_ok=True)
@@ -161,7 +152,20 @@ def lift(sources: str | Path, header_folder: Path = SNIPPETS) -> "Lifted":
             except OSError:  # another process was first
                 if not folder.is_dir():
                     raise
-    functions = {path.stem: casadi.Function.load(str(path)) for path in sorted(folder.glob("*.casadi"))}
+    return {path.stem: casadi.Function.load(str(path)) for path in sorted(folder.glob("*.casadi"))}
+
+
+def lift(sources: str | Path, header_folder: Path = SNIPPETS) -> "Lifted":
+    """Traces the unit whose C files lie in `sources` (the folder of that name in an FMU).
+
+    `header_folder` holds lift.hpp: see `precompiled`.
+
+    Raises LiftError if the C cannot be traced, MissingNeedError if there is no C++ compiler.
+    """
+    sources = Path(sources).resolve()
+    header = read_header(sources / "variables.h")
+    groups = groups_of(header, (sources / "equations.h").read_text(encoding="utf-8"))
+    functions = traced(sources, program(header, groups, SNIPPETS / f"{header.snake}.cpp"), header_folder)
     return Lifted(header, [name for name, _ in groups], functions)
 
 

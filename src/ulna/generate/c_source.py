@@ -46,6 +46,14 @@ def _field(variable: Variable) -> str:
     return f"{C_TYPES[variable.type]} {variable.field}{extent};"
 
 
+def _elements(variable: Variable) -> list[str]:
+    """The numbers of a field, as C names them."""
+    if not variable.size:
+        return [variable.field]
+    names = {(3,): ".x .y .z", (4,): ".w .x .y .z"}.get(variable.size)
+    return [variable.field + name for name in (names.split() if names else map("[{}]".format, range(variable.count)))]
+
+
 def variables_header(unit: Declaration) -> str:
     """`variables.h`: the struct, one field a variable, and the enumerations."""
     upper = unit.snake.upper()
@@ -182,6 +190,10 @@ def _wrappers(unit: Declaration) -> tuple[list[str], dict[str, str]]:
             "const void *values, const void *workspace, size_t variable, void *destination",
             f"{mine}_stream(values, workspace, variable, destination);",
         )
+    if any(v.state for v in unit.variables):
+        sums = [" + ".join(f"all->{place}" for place in _elements(v)) for v in unit.variables if v.state]
+        text = [f"const {typed} *all = values;", "double sum = 0.0;", *(f"sum += {s};" for s in sums), "return sum;"]
+        signatures["state_sum"] = ("double", "const void *values", "\n    ".join(text))
     lines = [f"/* The functions of {typed} on untyped memory. */"]
     for member, (result, arguments, body) in signatures.items():
         lines += [f"static {result} unit_{member}({arguments})", "{", f"    {body}", "}", ""]

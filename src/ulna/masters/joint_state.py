@@ -115,11 +115,12 @@ def rotations(q: np.ndarray) -> np.ndarray:
     return ((products @ _PRODUCTS) / norms[:, None]).reshape(-1, 3, 3)
 
 
+_NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
+
+
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Cross products along the last axis; numpy's own takes four times as long for a few vectors."""
-    x, y, z = a[..., 0], a[..., 1], a[..., 2]
-    u, v, w = b[..., 0], b[..., 1], b[..., 2]
-    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=-1)
+    """Cross products along the last axis; numpy's own takes several times as long for a few vectors."""
+    return a.take(_NEXT, -1) * b.take(_LAST, -1) - a.take(_LAST, -1) * b.take(_NEXT, -1)
 
 
 def _key(frame: Frame) -> tuple[str, str]:

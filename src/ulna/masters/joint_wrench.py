@@ -4,9 +4,21 @@ import numpy as np
 
 from .joint_state import JointState, cross
 
-NODES = 0.5 + np.array([-0.5, 0.0, 0.5]) * np.sqrt(0.6)
-"""Gauss points of the step from 0 to 1, and their weights: exact to degree 5."""
-WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
+_NODES = 0.5 + np.array([-0.5, 0.0, 0.5]) * np.sqrt(0.6)
+"""Gauss points of the step from 0 to 1: exact to degree 5."""
+_MOMENTS = np.array([5.0, 8.0, 5.0]) / 18.0 * _NODES ** np.arange(3)[:, None]
+"""Integrals of a function times 1, s, s^2 by its values there."""
+_LINE = np.stack([1.0 - _NODES, _NODES], axis=1)
+_CUBIC = np.stack(
+    [
+        (1.0 + 2.0 * _NODES) * (1.0 - _NODES) ** 2,
+        _NODES * (1.0 - _NODES) ** 2,
+        _NODES**2 * (3.0 - 2.0 * _NODES),
+        -(_NODES**2) * (1.0 - _NODES),
+    ],
+    axis=1,
+)
+"""Values there by those at begin and end; and by value and slope at begin, value and slope at end."""
 UNKNOWNS = 8
 """Of each joint at begin and at end of a step: see `wrench_lines`."""
 STILL = 1e-14
@@ -33,7 +45,7 @@ def wrench_lines(state: JointState, start: Start, unknowns: np.ndarray) -> np.nd
     """
     wrenches = unknowns[:, :, [0, 1, 2, 5, 6, 7]]
     if np.any(state.hinged):
-        torques = (start.triad[:, :, :2] @ unknowns[:, :, 3:5, None])[:, :, :, 0]
+        torques = np.matmul(start.triad[:, :, :2], unknowns[:, :, 3:5, None])[:, :, :, 0]
         turned = state.triad()[:, :, 2]
         if np.any(np.abs(turned - start.triad[:, :, 2]) > STILL):
             torques += _along(state, start, turned, torques)[:, :, None] * start.triad[:, :, 2]
@@ -64,13 +76,10 @@ def _along(state: JointState, start: Start, turned: np.ndarray, torques: np.ndar
     axis = start.triad[:, :, 2]
     leaving = start.step * cross(start.angular_velocity[state.first], axis)
     arriving = start.step * cross(state.angular_velocity[state.first], turned)
-    s = NODES[:, None, None]
-    path = (1 + 2 * s) * (1 - s) ** 2 * axis + s * s * (3 - 2 * s) * turned
-    path += s * (1 - s) ** 2 * leaving - s * s * (1 - s) * arriving
-    work = np.sum(((1 - s) * torques[0] + s * torques[1]) * path, axis=2)
-    lever = np.sum(path * axis, axis=2)
-    b0, b1 = WEIGHTS @ work, (WEIGHTS * NODES) @ work
-    m0, m1, m2 = (WEIGHTS * NODES**k @ lever for k in range(3))
+    path = (_CUBIC @ np.stack([axis, leaving, turned, arriving]).reshape(4, -1)).reshape(3, *axis.shape)
+    along = (_LINE @ torques.reshape(2, -1)).reshape(path.shape)
+    b0, b1 = _MOMENTS[:2] @ (along * path).sum(axis=2)
+    m0, m1, m2 = _MOMENTS @ (path * axis).sum(axis=2)
     # (m0 - m1) x + m1 y = -b0, (m1 - m2) x + m2 y = -b1
     determinant = (m0 - m1) * m2 - m1 * (m1 - m2)
     return np.stack([m1 * b1 - m2 * b0, (m1 - m2) * b0 - (m0 - m1) * b1]) / determinant * state.hinged

@@ -3,10 +3,10 @@
 import numpy as np
 
 from ..lines import Lines
-from .joint_state import JointState
+from .joint_state import JointState, rotations
 
-SMALL = 1e-8
-"""First, careful nudge: N, N.m."""
+SMALL, LARGE = 1e-8, 1e6
+"""First, careful nudge, and bound of the second: N, N.m."""
 AIM = 1e-5
 """Change of velocity that the second nudge aims at, over 1 m/s and rad/s plus the motion there is."""
 
@@ -39,16 +39,10 @@ class Mobility:
                 if not group.size:
                     continue
                 nudge = np.full(len(state.frames), SMALL)
-                for _ in range(2):
-                    lines.start[:], lines.end[:] = start, end
-                    lines.start[places] += nudge[group]
-                    lines.end[places] += nudge[group]
-                    change = self._stepped(restores) - base
-                    gained = self._strongest(change, group)
-                    found = change.copy(), nudge.copy()
-                    size = AIM * (1.0 + np.abs(base).max())
-                    nudge[group] = np.clip(nudge[group] * size / np.maximum(gained, 1e-300), 0.0, 1e6)
-                change, nudge = found
+                gained = self._strongest(self._changed(restores, start, end, places, nudge[group]), group)
+                size = AIM * (1.0 + np.abs(base).max())
+                nudge[group] = np.clip(nudge[group] * size / np.maximum(gained, 1e-300), SMALL, LARGE)
+                change = self._changed(restores, start, end, places, nudge[group])
                 for k in group:
                     response[:, :, k, column] = change / (nudge[k] * lines.step)
         lines.start[:], lines.end[:] = start, end
@@ -56,9 +50,29 @@ class Mobility:
         self.local = before[self.to].transpose(0, 2, 1) @ blocks @ before[self.by]
 
     def world(self) -> np.ndarray:
-        """The responses in world axes, with the frames as they are now, shape (pairs, 6, 6)."""
-        turn = _by_frame(self._state.turn)
-        return turn[self.to] @ self.local @ turn[self.by].transpose(0, 2, 1)
+        """The responses in world axes for the step from where the frames are now, shape (pairs, 6, 6).
+
+        The wrench acts in the middle of the step, the response is seen at its end.
+        """
+        middle, end = (_by_frame(self._turned(share)) for share in (0.5, 1.0))
+        return end[self.to] @ self.local @ middle[self.by].transpose(0, 2, 1)
+
+    def _turned(self, share: float) -> np.ndarray:
+        """Frames to world after a share of the step with the angular velocities of now, shape (frames, 3, 3)."""
+        turn = 0.5 * share * self._lines.step * self._state.angular_velocity
+        return rotations(np.insert(turn, 0, 1.0, axis=1)) @ self._state.turn
+
+    def _changed(
+        self, restores: list, start: np.ndarray, end: np.ndarray, places: np.ndarray, nudge: np.ndarray
+    ) -> np.ndarray:
+        """Half the difference of the velocities after steps with a wrench and with its opposite added to the lines."""
+        results = []
+        for sign in (1.0, -1.0):
+            self._lines.start[:], self._lines.end[:] = start, end
+            self._lines.start[places] += sign * nudge
+            self._lines.end[places] += sign * nudge
+            results.append(self._stepped(restores))
+        return 0.5 * (results[0] - results[1])
 
     def _stepped(self, restores: list) -> np.ndarray:
         """Velocities of all frames of units after a step, shape (frames, 6)."""

@@ -25,6 +25,8 @@ MEETING = 1e-9
 CLOSED = 1e-13
 """Gap that counts as none, over 1 m (or rad) plus the distance from the origin; and the same of velocities."""
 MOST_SWEEPS = 30
+TRIAL = 0.1
+"""Length of the step that finds the first wrenches, over that of the run's."""
 SLOW = 12
 """Sweeps of a step after which the mobility is measured again: it has changed, as that of a hinged body may."""
 REMEMBERED = 5
@@ -33,6 +35,8 @@ OF_GAPS = np.array([[[1 / 3], [1 / 6]], [[1 / 2], [1 / 2]]])
 """Of the accelerations at begin and end in the gaps in place and in velocity, over step^2."""
 OF_RATES = np.array([[[1 / 12], [-1 / 12]], [[7 / 12], [5 / 12]]])
 """The same in the lines of the relative rates, at begin and at end."""
+SINGULAR = 1e-8
+"""Ratio of singular values below which joints are redundant: the mobility is known to some 1e-10."""
 FAR = 1.5
 """Distance of a guess, over that of the steps, beyond which it is a line."""
 NOISE, STALLED = 5.0, 0.5
@@ -51,8 +55,8 @@ def prepare(coupling: Coupling, extrapolation: int) -> Callable[[float, float, f
     joined = list(dict.fromkeys(frame.unit.name for joint in coupling.joints for frame in joint.frames))
     others = [c for c in coupling.connections if {c.source.unit.name, c.target.unit.name}.isdisjoint(joined)]
     order = [name for name in step_order(coupling.units, others) if name not in joined]
-    stepless = [name for name in joined if not coupling.slopes([name]).calls]
-    lines = Lines(coupling, [joined, *([name] for name in order)], stepless)
+    slopeless = [name for name in joined if not coupling.slopes([name]).calls]
+    lines = Lines(coupling, [joined, *([name] for name in order)], slopeless)
     solver = Joined(lines, JointState(coupling, coupling.joints))
     solver.begin()
 
@@ -86,6 +90,8 @@ class Joined:
         self._which = np.flatnonzero(self._driven)
         self._mobility = Mobility(lines, state, self._places)
         self._measured = False
+        self._redundant: bool | None = None
+        """Whether joints hold what others hold already: then the least wrenches that do it are taken."""
         self.memory = np.zeros((REMEMBERED, 2, len(state.joints), 9))
         """At begin and end of the steps done last, the latest first: force, torque and torque of damping on the second
         frames, in the world."""
@@ -105,9 +111,9 @@ class Joined:
                     )
 
     def begin(self) -> None:
-        """Finds the wrenches at the start, by a step that is taken back, and reads the outputs with them."""
+        """Finds the wrenches at the start, by a short step that is taken back, and reads the outputs with them."""
         lines, coupling = self._lines, self._coupling
-        time, step = coupling.time.value, coupling.step.value
+        time, step = coupling.time.value, TRIAL * coupling.step.value
         lines.begin(time, step, time + step)
         self.step()
         coupling.call(self._restores)
@@ -138,6 +144,7 @@ class Joined:
         units = self._lines.parts[0].units
         self._write(Start(self._state, self._lines.step), np.zeros((2, UNKNOWNS * len(self._state.joints))))
         self._mobility.measure(self._restores)
+        self._redundant = None
         self._coupling.call([*self._restores, *self._coupling.gets(units)])
         self._state.read()
 
@@ -230,7 +237,11 @@ class Joined:
         rows = np.flatnonzero(damped)
         for time in range(2):
             matrix[time, time, rows, rows] += step / np.repeat(state.damping, UNKNOWNS)[state.active[rows]]
-        return np.linalg.inv(matrix.transpose(0, 2, 1, 3).reshape(2 * len(response), -1))
+        matrix = matrix.transpose(0, 2, 1, 3).reshape(2 * len(response), -1)
+        if self._redundant is None:
+            values = np.linalg.svd(response[np.ix_(~damped, ~damped)], compute_uv=False)
+            self._redundant = bool(values[-1] < SINGULAR * values[0])
+        return np.linalg.pinv(matrix, rcond=SINGULAR) if self._redundant else np.linalg.inv(matrix)
 
 
 @lru_cache
