@@ -29,7 +29,7 @@ def test_the_watch_finds_the_energy_that_a_held_wrench_creates(coupled, master):
 
 @pytest.mark.parametrize("master", ["gauss_seidel_order_1", "iterated", "newton"])
 def test_the_watch_finds_what_lines_create_to_a_tenth(coupled, master):
-    """Of order 2 in H, and gone where a run is good: round-off of sums of 1 J over some thousand steps is below 1e-9."""
+    """Of order 2 in H; what is below a millionth of the energy is the next order's."""
     for row in [row for row in coupled["energies"] if row["master"] == master]:
         assert row["watched"] == pytest.approx(row["created"], rel=0.1, abs=1e-6 * row["system"]), row
 
