@@ -99,18 +99,23 @@ DESCRIPTION = {
 @cache
 def toy(version: str = "3.0") -> Path:
     """Path of the toy's FMU; it is compiled once per test session."""
-    folder = Path(tempfile.mkdtemp(prefix="toy-"))
+    return build("Toy", SOURCE, DESCRIPTION[version], TERMINALS, version)
+
+
+def build(name: str, source: Path, description: str, terminals: str, version: str) -> Path:
+    """Compiles an FMU from one C file, with a stub for every function of the standard that it lacks."""
+    folder = Path(tempfile.mkdtemp(prefix=f"{name.lower()}-"))
     header = (HEADERS / f"fmi{version[0]}Functions.h").read_text()
     names = re.findall(rf"TYPE\s+(fmi{version[0]}\w+);", header)
     stubs = folder / "stubs.c"
-    stubs.write_text("".join(f"__attribute__((weak)) int {name}(void) {{ return 0; }}\n" for name in names))
-    library = folder / "Toy.so"
+    stubs.write_text("".join(f"__attribute__((weak)) int {stub}(void) {{ return 0; }}\n" for stub in names))
+    library = folder / f"{name}.so"
     options = ["-shared", "-fPIC", "-O2", "-w", f"-DFMI_VERSION={version[0]}", f"-I{HEADERS}"]
-    subprocess.run(["cc", *options, str(SOURCE), str(stubs), "-o", str(library), "-lm"], check=True)
+    subprocess.run(["cc", *options, str(source), str(stubs), "-o", str(library), "-lm"], check=True)
     platform = fmpy.platform_tuple if version == "3.0" else fmpy.platform
-    fmu = folder / "Toy.fmu"
+    fmu = folder / f"{name}.fmu"
     with zipfile.ZipFile(fmu, "w") as archive:
-        archive.writestr("modelDescription.xml", DESCRIPTION[version])
-        archive.writestr("terminalsAndIcons/terminalsAndIcons.xml", TERMINALS)
-        archive.write(library, f"binaries/{platform}/Toy{fmpy.sharedLibraryExtension}")
+        archive.writestr("modelDescription.xml", description)
+        archive.writestr("terminalsAndIcons/terminalsAndIcons.xml", terminals)
+        archive.write(library, f"binaries/{platform}/{name}{fmpy.sharedLibraryExtension}")
     return fmu

@@ -124,7 +124,7 @@ class Coupling:
             stage.transfers += self.transfers[name]
         stage.calls += self.sets(units)
         if step:
-            stage.calls += [_call(port) for name in units for port in self._probes[name]]
+            stage.calls += self.probes(units)
             stage.calls += self.steps(units)
         stage.calls += self.gets(units)
         return stage
@@ -132,6 +132,10 @@ class Coupling:
     def sets(self, units: Sequence[str]) -> list[Call]:
         """Calls that set the inputs of these units."""
         return [_call(port) for name in units for port in self._setters[name]]
+
+    def probes(self, units: Sequence[str]) -> list[Call]:
+        """Calls that read the wrenches of bonds once more, with the inputs of the begin of a step."""
+        return [_call(port) for name in units for port in self._probes[name]]
 
     def gets(self, units: Sequence[str]) -> list[Call]:
         """Calls that read their outputs."""

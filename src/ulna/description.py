@@ -109,8 +109,15 @@ class Description:
     directional_derivatives: bool
     interpolates_inputs: bool
     """FMI 2: whether it takes slopes of inputs through fmi2SetRealInputDerivatives."""
+    variable_step: bool
+    """Whether it takes steps of any length."""
     has_states: bool
     """Whether it declares continuous states."""
+
+    @property
+    def stateless(self) -> bool:
+        """Whether its derivatives say that its outputs follow from its inputs alone."""
+        return self.directional_derivatives and not self.has_states
 
 
 _cache: dict[tuple, Description] = {}
@@ -158,6 +165,7 @@ def _extract(path: Path) -> Description:
         serializes_state=model.coSimulation.canSerializeFMUstate,
         directional_derivatives=bool(model.coSimulation.providesDirectionalDerivative),
         interpolates_inputs=version == "2.0" and bool(model.coSimulation.canInterpolateInputs),
+        variable_step=bool(model.coSimulation.canHandleVariableCommunicationStepSize),
         has_states=bool(model.derivatives),
     )
 

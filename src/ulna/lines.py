@@ -3,10 +3,11 @@
 A line starts at what the sources put out at the begin of the step. It ends at what they put out at the end where that
 is known already, at the signal's value there, or else at a guess: the line through the last two steps, which a master
 may improve. Units take the slope through `slopes`. One that takes it of some inputs only is given the others as they
-are at the begin: it continues them by those, as HingedBody its anchor's motion. One that takes none is given the mean.
+are at the begin: it continues them by those, as HingedBody its anchor's motion. One that takes none makes two half
+steps, each with a constant; if it cannot, or has no states, it is given the mean.
 """
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -20,20 +21,23 @@ EARLY = (5.0 / 6.0, 1.0 / 6.0)
 class Part:
     """Units that take a step at the same time, each with its lines."""
 
-    def __init__(self, lines: "Lines", units: Sequence[str], halved: Collection[str]):
-        """`halved` are units that take no slope, but two half steps with a constant each."""
+    def __init__(self, lines: "Lines", units: Sequence[str]):
+        """Its units in the order of their calls."""
         coupling = lines.coupling
         self.lines, self.units = lines, list(units)
         self.transfers = [move for name in units for move in coupling.transfers[name]]
         mine = _indices(place for _, place in coupling.float_inputs(units))
         self.mine = as_slice(mine)
         self.fresh = np.intersect1d(np.setdiff1d(lines.connected, lines.late), mine)
+        slopeless = [name for name in units if not coupling.slopes([name]).calls]
+        known = {name: coupling.slaves[name].description for name in slopeless}
+        halved = [name for name in slopeless if known[name].variable_step and not known[name].stateless]
         whole = [name for name in units if name not in halved]
         self.slopes = coupling.slopes(whole)
-        slopeless = [name for name in whole if not coupling.slopes([name]).calls]
-        self.held = _indices(place for _, place in coupling.float_inputs(slopeless))
+        self.held = _indices(place for _, place in coupling.float_inputs([n for n in slopeless if n not in halved]))
         self.sets, self.steps = coupling.sets(whole), coupling.steps(whole)
         self.halves = [(coupling.sets([name]), coupling.steps([name])) for name in units if name in halved]
+        self.probes = coupling.probes(units)
         self.settings = coupling.sets([name for name in units if coupling.feeds_through(name)])
         self.gets = coupling.gets(units)
 
@@ -56,6 +60,7 @@ class Part:
             np.divide((end - start)[slopes.places], lines.step, out=slopes.values)
         call(self.sets)
         call(slopes.calls)
+        call(self.probes)
         call(self.steps)
         if self.halves:
             self._halve()
@@ -79,7 +84,7 @@ class Part:
 class Lines:
     """The float64 inputs of a scene as lines, flat, in the order of `coupling.inputs`."""
 
-    def __init__(self, coupling: Coupling, groups: Sequence[Sequence[str]], halved: Collection[str] = ()):
+    def __init__(self, coupling: Coupling, groups: Sequence[Sequence[str]]):
         """`groups` of units are stepped one after the other, the units of a group at once."""
         self.coupling = coupling
         self.values = coupling.inputs.get(np.dtype(np.float64), np.zeros(0))
@@ -93,7 +98,7 @@ class Lines:
         self.connected = _indices(place for _, place in connected)
         self.late = _indices(place for c, place in connected if c in coupling.late)
         """Inputs that connections drive, and those among them whose source is not stepped before their unit."""
-        self.parts = [Part(self, group, halved) for group in groups]
+        self.parts = [Part(self, group) for group in groups]
         coupling.memory += [self.before, self.steps_before, self.values]
         self._moves = [move for name in coupling.units for move in coupling.transfers[name]]
         watched = [pair for name in coupling.units for pair in coupling.signals[name]]

@@ -130,8 +130,8 @@ class Watch:
 
     @property
     def wrong(self) -> bool:
-        """Whether the coupling changes the energy by more than its share."""
-        return abs(self.energy) > SHARE * self.system_energy > 0.0
+        """Whether the coupling has changed the energy by more than its share at any time."""
+        return self._warned or abs(self.energy) > SHARE * self.system_energy > 0.0
 
     def figures(self) -> dict[str, float | str | bool]:
         """For the summary."""
@@ -157,7 +157,7 @@ class _Bond:
             (
                 slice(*coupling.place(wrench.source)[1:]),
                 wrench in coupling.late,
-                None if coupling.lines else coupling.probe(wrench.source),
+                coupling.probe(wrench.source),
                 slice(*coupling.place(motion.source)[1:]),
             )
             for wrench, motion in bond.members
@@ -175,34 +175,55 @@ class _Bond:
         if end <= begin:
             return 0.0, 0.0
         first = max(begin - 1, 0)
-        lengths = np.diff(times)[first:end, None]
+        lengths = np.diff(times)[first : end + 1, None]
+        done = lengths[:-1]
         gained = through = 0.0
         for columns, late, probe, motion in self._members:
-            read = rows[first : end + 1, columns]
-            begun = read if probe is None else probes[first + 1 : end + 2, probe]
+            read, v = rows[first : end + 2, columns], rows[first : end + 2, motion]
+            begun = read if probe is None else _continued(probes[first + 1 : end + 2, probe])
             right = begun if self._stale else read
-            moved = _mean(rows[first : end + 1, motion]) * lengths
-            work = self._held(read, late, lengths) * moved
-            error = work - _mean(right) * moved
-            if self._reacts:
-                error -= 0.5 * ((begun - right)[:-1] + (read - right)[1:]) * moved
-            gained += float(error[begin - first :].sum())
-            through += float(np.abs(work[begin - first :].sum(axis=1)).sum())
+            # motion is a parabola in a step where forces are lines
+            speed = _mean(v, lengths)[:-1] if self._lines else _chord(v)[:-1]
+            held, rise = self._held(read[:-1], late, done)
+            work = held * speed + CHORD * rise * np.diff(v, axis=0)[:-1]
+            due = _mean(right, lengths)[:-1] * speed + CHORD * (np.diff(right, axis=0) * np.diff(v, axis=0))[:-1]
+            error = work - due
+            if self._reacts and not self._lines:
+                error -= 0.5 * ((begun - right)[:-2] + (read - right)[1:-1]) * speed
+            gained += float((error * done)[begin - first :].sum())
+            through += float(np.abs((work * done)[begin - first :].sum(axis=1)).sum())
         return gained, through
 
-    def _held(self, values: np.ndarray, late: bool, lengths: np.ndarray) -> np.ndarray:
-        """Mean over each step of what a unit was told of these values."""
+    def _held(self, values: np.ndarray, late: bool, lengths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """What a unit was told of these values over each step: mean, and rise from begin to end."""
+        change = np.diff(values, axis=0)
         if not self._lines:
-            return values[:-1] if late else values[1:]
+            return values[:-1] if late else values[1:], np.zeros_like(change)
         if not late:
-            return _mean(values)
-        told = values[:-1].copy()
-        told[1:] += 0.5 * (lengths[1:] / lengths[:-1]) * np.diff(values, axis=0)[:-1]
-        return told
+            return _chord(values), change
+        rise = np.zeros_like(change)
+        rise[1:] = lengths[1:] / lengths[:-1] * change[:-1]
+        return values[:-1] + 0.5 * rise, rise
 
 
-def _mean(values: np.ndarray) -> np.ndarray:
+def _continued(values: np.ndarray) -> np.ndarray:
+    """With one row more, on the line through the last two."""
+    return np.vstack([values, 2.0 * values[-1] - values[max(len(values) - 2, 0)]])
+
+
+def _chord(values: np.ndarray) -> np.ndarray:
+    """Means over steps of what is a line in each."""
     return 0.5 * (values[1:] + values[:-1])
+
+
+def _mean(values: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """Means over steps of what is smooth from step to step: the chord, less what the curvature at both ends says."""
+    slopes = np.diff(values, axis=0) / lengths
+    curvature = np.zeros_like(values)
+    curvature[1:-1] = 2.0 * np.diff(slopes, axis=0) / (lengths[1:] + lengths[:-1])
+    if len(values) > 2:
+        curvature[0], curvature[-1] = curvature[1], curvature[-2]
+    return _chord(values) - CHORD * lengths**2 * _chord(curvature)
 
 
 def _size(arrays: dict[np.dtype, np.ndarray]) -> int:

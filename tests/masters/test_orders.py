@@ -112,6 +112,17 @@ def test_both_versions_give_the_same_trajectory_to_the_bit(master, extrapolation
     np.testing.assert_array_equal(*trajectories)
 
 
+@pytest.mark.parametrize("master", ["jacobi", "newton"])
+def test_input_derivatives_of_fmi_2_do_what_the_rate_inputs_do(master, monkeypatch):
+    """To the bit: the slope is one number, whichever function brings it to the unit."""
+    by_rates = tethered("2.0", master, 0.01, 1)
+    monkeypatch.setattr("ulna.slopes.RATE", "_by_no_such_name")
+    np.testing.assert_array_equal(tethered("2.0", master, 0.01, 1), by_rates)
+    # FMI 3 has no such function: there the unit gets constants in two half steps instead
+    assert not np.array_equal(tethered("3.0", master, 0.01, 1), by_rates)
+    np.testing.assert_allclose(tethered("3.0", master, 0.01, 1), by_rates, atol=1e-6)
+
+
 @pytest.mark.parametrize(("master", "extrapolation"), LADDER)
 def test_coupled_bodies_converge_to_the_solution_of_scipy(master, extrapolation):
     def rates(_: float, state: np.ndarray) -> np.ndarray:

@@ -52,6 +52,13 @@ def test_fmi_2_gives_the_same_arm_to_the_bit():
     np.testing.assert_array_equal(*ends)
 
 
+def test_a_second_run_is_the_first_to_the_bit():
+    with joined(ball_arm()) as scene:
+        first, second = (scene.run(0.3, 0.01) for _ in range(2))
+    for name in first:
+        np.testing.assert_array_equal(first[name], second[name])
+
+
 def test_the_energy_of_an_undamped_swing_is_bounded_over_a_thousand_seconds():
     """The step is its own inverse with time turned round: what is off swings, and does not add up.
 

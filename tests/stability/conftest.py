@@ -1,10 +1,15 @@
-"""One quick map for all tests of it."""
+"""One quick map of each kind for all tests of it."""
 
 import pytest
 
-from ulna.stability import measure
+from ulna.stability import measure, measure_coupling
 
 
 @pytest.fixture(scope="session")
 def found() -> dict:
     return measure(quick=True)
+
+
+@pytest.fixture(scope="session")
+def coupled() -> dict:
+    return measure_coupling(quick=True)

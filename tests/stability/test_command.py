@@ -1,4 +1,4 @@
-"""`ulna stability rigid-body`: what it writes and says."""
+"""`ulna stability`: what it writes and says."""
 
 import json
 from xml.etree import ElementTree
@@ -13,9 +13,11 @@ SIGNATURE = b"\x89PNG\r\n\x1a\n"
 
 
 @pytest.fixture
-def app(monkeypatch, found) -> typer.Typer:
+def app(monkeypatch, found, coupled) -> typer.Typer:
     """The command, with the measurements that all tests share."""
-    monkeypatch.setattr(command, "measure", lambda quick: found)
+    for subject, rows in (("rigid-body", found), ("coupling", coupled)):
+        made = command.MAPS[subject]._replace(measure=lambda quick, rows=rows: rows)
+        monkeypatch.setitem(command.MAPS, subject, made)
     app = typer.Typer()
     app.command()(command.stability)
     return app
@@ -42,4 +44,19 @@ def test_it_writes_the_map_and_every_point(app, found, tmp_path):
 def test_another_subject_is_refused_with_what_there_is(app):
     result = CliRunner().invoke(app, ["teapot"])
     assert result.exit_code == 2
-    assert "rigid-body" in result.output
+    assert "rigid-body" in result.output and "coupling" in result.output
+
+
+def test_the_map_of_couplings_is_written_with_every_cell(app, coupled, tmp_path):
+    result = CliRunner().invoke(app, ["coupling", "--quick", "--out", str(tmp_path)])
+    assert result.exit_code == 0, result.output
+    files = {path.suffix: path for path in tmp_path.iterdir()}
+    assert {path.stem for path in files.values()} == {"coupling_stability"}
+    assert files[".png"].read_bytes().startswith(SIGNATURE)
+    assert ElementTree.parse(files[".svg"]).getroot().tag.endswith("svg")
+    points = json.loads(files[".json"].read_text(), parse_constant=pytest.fail)
+    assert {topic: len(rows) for topic, rows in points.items()} == {topic: len(rows) for topic, rows in coupled.items()}
+    for cell in points["cells"]:
+        assert cell["H"] * (cell["k"] * (1 / 0.8 + 1 / 0.35)) ** 0.5 == pytest.approx(cell["z"])
+    for said in ("accurate", "did not settle", "newton", "mass ratio"):
+        assert said in result.output

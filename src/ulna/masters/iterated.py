@@ -13,7 +13,7 @@ import numpy as np
 from ..coupling import Coupling
 from .blocks import Block, blocks_of
 
-SLOW = 0.7
+SLOW = 0.5
 """Contraction above which the iteration is relaxed."""
 LEAST, LARGEST = 0.02, 1.0
 """Bounds of the relaxation: an estimate beyond says nothing of the mode that it follows."""

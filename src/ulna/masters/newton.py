@@ -108,7 +108,7 @@ def sensitivity(block: Block, unit: str, taken: np.ndarray) -> tuple[np.ndarray,
     ends = coupling.float_outputs(unit)
     rows = np.concatenate([np.arange(place.start, place.stop) for _, place in ends])
     description = coupling.slaves[unit].description
-    if description.directional_derivatives and not description.has_states:
+    if description.stateless:
         return rows, _direct(coupling, unit, [end.variable.name for end, _ in ends], taken)
     return rows, _by_differences(block, unit, rows, taken)
 

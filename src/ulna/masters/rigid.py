@@ -55,8 +55,7 @@ def prepare(coupling: Coupling, extrapolation: int) -> Callable[[float, float, f
     joined = list(dict.fromkeys(frame.unit.name for joint in coupling.joints for frame in joint.frames))
     others = [c for c in coupling.connections if {c.source.unit.name, c.target.unit.name}.isdisjoint(joined)]
     order = [name for name in step_order(coupling.units, others) if name not in joined]
-    slopeless = [name for name in joined if not coupling.slopes([name]).calls]
-    lines = Lines(coupling, [joined, *([name] for name in order)], slopeless)
+    lines = Lines(coupling, [joined, *([name] for name in order)])
     solver = Joined(lines, JointState(coupling, coupling.joints))
     solver.begin()
 

@@ -1,19 +1,22 @@
-"""The command `ulna stability rigid-body`."""
+"""The command `ulna stability`."""
 
 import json
 import math
+from collections import Counter
+from collections.abc import Callable
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import typer
 from rich.console import Console
 from rich.table import Table
 
+from .coupling_measuring import measure_coupling
+from .coupling_picture import TITLES, VERDICTS, draw_coupling
 from .measuring import measure
 from .picture import draw
 
-STEM = "rigid_body_stability"
 COLUMNS = ("solver", "energy", "attitude", "rod: energy", "attitude", "10 000 rad/s: energy", "attitude")
 KEYS = [kind + what for kind in ("", "rod_", "fast_") for what in ("energy", "attitude")]
 
@@ -22,20 +25,31 @@ class Subject(StrEnum):
     """What there is a map of."""
 
     RIGID_BODY = "rigid-body"
+    COUPLING = "coupling"
+
+
+class Map(NamedTuple):
+    """How a map is made: name of its files, what is measured, drawn and printed."""
+
+    stem: str
+    measure: Callable[[bool], dict[str, Any]]
+    draw: Callable[..., None]
+    show: Callable[[dict[str, Any]], None]
 
 
 def stability(
     subject: Annotated[Subject, typer.Argument(help="What the map is of.")] = Subject.RIGID_BODY,
-    quick: Annotated[bool, typer.Option("--quick", help="Coarser: limits within 10 %, fewer points.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Coarser: fewer points, limits within 10 %.")] = False,
     out: Annotated[Path, typer.Option(help="Folder to write to.")] = Path("results/stability"),
 ) -> None:
-    """Finds where each solver of the rigid bodies fails, and draws it against theory: SVG, PNG and JSON."""
-    found = measure(quick)
+    """Finds where each solver of the rigid bodies, or each master, fails; draws it against theory: SVG, PNG, JSON."""
+    made = MAPS[subject]
+    found = made.measure(quick)
     out.mkdir(parents=True, exist_ok=True)
-    paths = [out / f"{STEM}.{ending}" for ending in ("svg", "png", "json")]
-    draw(found, *paths[:2])
+    paths = [out / f"{made.stem}.{ending}" for ending in ("svg", "png", "json")]
+    made.draw(found, *paths[:2])
     paths[2].write_text(json.dumps(_finite(found), indent=1) + "\n")
-    _show(found)
+    made.show(found)
     typer.echo(f"{out}: {', '.join(path.name for path in paths)}")
 
 
@@ -48,7 +62,7 @@ def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _show(found: dict[str, Any]) -> None:
+def _show_solvers(found: dict[str, Any]) -> None:
     table = Table(*COLUMNS, title="largest h |w|, rad", title_justify="left")
     for row in found["tumbling"]:
         table.add_row(row["solver"], *(_limit(row[key]) for key in KEYS))
@@ -60,7 +74,26 @@ def _show(found: dict[str, Any]) -> None:
     console.print(springs)
 
 
+def _show_masters(found: dict[str, Any]) -> None:
+    table = Table("master", *VERDICTS, title="cells of H sqrt(k/m) and damping ratio", title_justify="left")
+    for master, title in TITLES.items():
+        counts = Counter(row["verdict"] for row in found["cells"] if row["master"] == master)
+        table.add_row(title, *(str(counts[kind]) for kind in VERDICTS))
+    ratios = Table("elbow, degrees", "measured", "theory", title="hinge on hinge: mass ratio up to which passes settle")
+    for row in found["mass_ratios"]:
+        ratios.add_row(f"{math.degrees(row['elbow']):.0f}", _limit(row["measured"]), _limit(row["theory"]))
+    console = Console()
+    console.print(table)
+    console.print(ratios)
+
+
 def _limit(value: float | None) -> str:
     if value is None:
         return "-"
     return "none" if math.isinf(value) else f"{value:.3g}"
+
+
+MAPS = {
+    Subject.RIGID_BODY: Map("rigid_body_stability", measure, draw, _show_solvers),
+    Subject.COUPLING: Map("coupling_stability", measure_coupling, draw_coupling, _show_masters),
+}

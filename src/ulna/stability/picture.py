@@ -50,7 +50,8 @@ def _words(name: str) -> str:
     return name.replace("_", " ")
 
 
-def _name(ax: Axes, title: str, x: str, y: str = "", pad: float = 6.0) -> None:
+def name(ax: Axes, title: str, x: str, y: str = "", pad: float = 6.0) -> None:
+    """What is written on a panel, and how its axes look."""
     ax.set_title(title, fontsize=12, loc="left", pad=pad)
     ax.set(xlabel=x, ylabel=y)
     ax.grid(alpha=0.25, linewidth=0.6)
@@ -95,7 +96,7 @@ def _tumbling(ax: Axes, found: dict[str, Any]) -> None:
     labels = [_words(row["solver"]) + ("\nchooses its steps" if row["chooses_steps"] else "") for row in rows]
     ax.set_yticks(range(len(rows)), labels, fontsize=10)
     title = f"Largest internal step of a free tumbling body, I = {INERTIA} kg m2, and of a rod"
-    _name(ax, title, "step times angular velocity, h |w| [rad]", pad=42.0)
+    name(ax, title, "step times angular velocity, h |w| [rad]", pad=42.0)
     ax.legend(loc="lower left", bbox_to_anchor=(-0.01, 0.99), ncols=3, frameon=False, fontsize=9)
 
 
@@ -111,7 +112,7 @@ def _spins(ax: Axes, found: dict[str, Any], axis: int, styles: Style) -> None:
         ax.plot(x, y, mark, color=color, markersize=5, markerfacecolor="none", label=_words(solver))
     ax.set(xscale="log", ylim=(-0.35, 1.3))
     y = "growth rate / |w|;  dashed: theory of the method" if axis == 0 else ""
-    _name(ax, f"Small error, spin about the {AXES[axis]} moment", "h |w| [rad]", y)
+    name(ax, f"Small error, spin about the {AXES[axis]} moment", "h |w| [rad]", y)
     if axis == 0:
         ax.legend(fontsize=9, frameon=False, ncols=2, loc="upper left")
 
@@ -127,7 +128,7 @@ def _springs(ax: Axes, found: dict[str, Any]) -> None:
         _bar(ax, place, row["limit"], most, _limit(row["limit"], LEAST_SPRING), min(row["limit"], most) + 0.08)
     ax.set_yticks(range(len(rows)), [_words(row["solver"]) for row in rows], fontsize=9)
     ax.set(xlim=(0, most))
-    _name(ax, "Largest step, spring inside it", "h sqrt(k/m);  red: theory")
+    name(ax, "Largest step, spring inside it", "h sqrt(k/m);  red: theory")
     note = "blue: RigidBody\ngreen: HingedBody"
     ax.text(0.99, 0.995, note, transform=ax.transAxes, ha="right", va="top", fontsize=8)
 
@@ -149,7 +150,7 @@ def _held(ax: Axes, found: dict[str, Any], styles: Style) -> None:
         x, y = [row["z"] for row in rows], [row["factor"] for row in rows]
         ax.plot(x, y, mark, color=color, markersize=4, markerfacecolor="none")
     ax.set(ylim=(0.95, 2.5), xlim=(0, 3))
-    _name(ax, "Spring force held over the step", "h sqrt(k/m);  lines: theory", "growth factor a step")
+    name(ax, "Spring force held over the step", "h sqrt(k/m);  lines: theory", "growth factor a step")
     ax.legend(fontsize=8, loc="upper left", framealpha=0.9)
 
 
@@ -162,7 +163,7 @@ def _norms(ax: Axes, found: dict[str, Any]) -> None:
         x, y = [row["angle"] for row in rows], [abs(row["factor"] - 1) for row in rows]
         ax.plot(x, y, "o", color=color, markersize=4, label=f"{method}, step by step")
     ax.set(xscale="log", yscale="log", ylim=(1e-15, 1))
-    _name(ax, "Norm of q, never made a unit", "h |w| [rad];  lines: theory", "|growth factor a step - 1|")
+    name(ax, "Norm of q, never made a unit", "h |w| [rad];  lines: theory", "|growth factor a step - 1|")
     ax.legend(fontsize=8, frameon=False)
 
 
@@ -174,5 +175,5 @@ def _moments(ax: Axes, found: dict[str, Any]) -> None:
     edge = np.linspace(0, 2.1, 2)
     ax.plot(edge, 1 + edge, "k-", edge, edge - 1, "k-", edge, 1 - edge, "k-", linewidth=1)
     ax.set(xlim=(0, 2.1), ylim=(0, 2.1), aspect="equal")
-    _name(ax, "Inertia that RigidBody takes", "I1 / I3;  lines: triangle inequality", "I2 / I3")
+    name(ax, "Inertia that RigidBody takes", "I1 / I3;  lines: triangle inequality", "I2 / I3")
     ax.legend(fontsize=8, loc="upper left", framealpha=0.9)
