@@ -143,7 +143,7 @@ def _name(ax: Axes, way: str, own: Sequence[CoupledPoint]) -> None:
     unit, _, stiffness = way.partition(", ")
     ax.annotate(stiffness if way in COMPLIANT else way, at, offset, **place, **look)
     if way == COMPLIANT[len(COMPLIANT) // 2]:
-        ax.annotate(unit, at, (offset[0], offset[1] + 24.0), **place, **look)
+        ax.annotate(unit, at, (offset[0], offset[1] + 38.0), **place, **look)
 
 
 def _band(ax: Axes, taken: Sequence[CoupledPoint], errors: Sequence[float]) -> None:
