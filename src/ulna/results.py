@@ -27,7 +27,12 @@ class Results:
     units: dict[str, str]
     """Physical unit of every column."""
     summary: dict[str, Any] = field(default_factory=dict)
-    """Of the run: master, step, number of steps, wall_time (s), real_time_factor, loops, ended_by."""
+    """Of the run: master, step, number of steps, wall_time (s), real_time_factor, loops, ended_by.
+
+    Of the coupling: input_error (over an input's nominal plus largest value) and input_error_at, coupling_energy and
+    system_energy (J), wrong; of masters that repeat steps, sweeps; of joints, largest_gap (m); with a tolerance,
+    macro_steps, repeated_steps, shortest_step (s).
+    """
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A column, or `time`; raises KeyError with the nearest right names."""

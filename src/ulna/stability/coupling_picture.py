@@ -177,6 +177,6 @@ def _energies(ax: Axes, found: dict[str, Any]) -> None:
     ax.axhline(SHARE, color="black", linewidth=1, linestyle=":")
     ax.set(xscale="log", yscale="log", ylim=(1e-7, 10))
     y = "|energy| / that of the system"
-    note = "filled: the watch warns; colours as on the left;\niterated, newton: it finds none"
+    note = "filled: the watch warns;\ncolours as on the left"
     ax.text(0.98, 0.02, note, transform=ax.transAxes, ha="right", va="bottom", fontsize=8)
     name(ax, "Energy from nowhere, two swings", "H w;  lines: true, marks: the watch", y)
