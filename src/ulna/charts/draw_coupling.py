@@ -6,6 +6,7 @@ from itertools import groupby
 from math import sqrt
 from pathlib import Path
 from textwrap import fill
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,7 +19,7 @@ from .chains import STEP, ChainCost
 from .coupled import CoupledPoint
 from .draw import HALO
 from .fronts import front, solvers_of
-from .ways import ONE_WAY, RIGID, STEPPINGS, STIFFNESSES, TWO_WAY, WAYS, WITH_JOINTS, compliant_name
+from .ways import ONE_WAY, RIGID, STEPPINGS, STIFFNESSES, TWO_WAY, WITH_JOINTS, compliant_name
 
 # After Okabe & Ito, which stay apart for the colour-blind; the stiffer a joint, the darker.
 COMPLIANT = [compliant_name(stiffness) for stiffness in STIFFNESSES]
@@ -42,9 +43,9 @@ ACCURATE = 1.0
 """rad: from there on something is recommended."""
 WANTED = (0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8)
 """rad."""
-NOTES = """Upper arm (1.9 kg) and forearm (1.56 kg) on hinges without friction, let go with the elbow bent. Error: the \
-largest angle of a body to the reference (minimal coordinates, DOP853 at 3e-14), every half second of {end:g} s. Time: \
-of Scene.run in Python, processor time, median of {rounds} interleaved runs, without setting up. \
+NOTES = """Upper arm (1.9 kg) and forearm (1.56 kg) on hinges without friction, let go with the elbow bent. Error: \
+the largest angle of a body to the reference (minimal coordinates, DOP853 at 3e-14), every half second of \
+{end:g}\u00a0s. Time: of Scene.run in Python, processor time, median of {rounds} interleaved runs, without setting up. \
 {failures} runs fail before the end and are left out: coupling.json says why. {machine}."""
 
 
@@ -76,7 +77,7 @@ def draw_coupling(drawn: Drawn, paths: Sequence[Path]) -> None:
     )
     figure.text(0.05, 0.925, caption, fontsize=11.5, color="#333333")
     notes = NOTES.format(end=drawn.end, rounds=drawn.rounds, failures=drawn.failures, machine=drawn.machine)
-    figure.text(0.05, 0.068, fill(notes, 200), va="top", fontsize=8.8, color="#333333", linespacing=1.4)
+    figure.text(0.05, 0.068, fill(notes, 212), va="top", fontsize=8.8, color="#333333", linespacing=1.4)
     save(figure, paths)
 
 
@@ -104,8 +105,8 @@ def _work(ax: Axes, points: Sequence[CoupledPoint]) -> None:
     ax.plot(*zip(*stairs, strict=True), color="#d3d7dc", linewidth=9, solid_joinstyle="round", zorder=1)
     for name in solvers_of(points):
         _curve(ax, [point for point in points if point.solver == name])
-    for way in WAYS:
-        _name(ax, way.name, [point for point in points if point.way == way.name])
+    _names(ax, points)
+    _stiffnesses(ax, points)
     _band(ax, taken, errors)
 
 
@@ -127,23 +128,34 @@ PLACES = {
     TWO_WAY: (1, (10.0, 2.0), "left"),
     RIGID: (1, (-4.0, 12.0), "right"),
 }
-ABOVE = (1, (0.0, 9.0), "center")
 
 
-def _name(ax: Axes, way: str, own: Sequence[CoupledPoint]) -> None:
-    """The name of a way at its curves; of a stiffness at its column."""
-    seen = [point for point in own if point.error > FINEST]
-    if not seen:
-        return
-    end, offset, side = PLACES.get(way, ABOVE)
-    point = max(seen, key=lambda p: end * p.seconds)
-    look = {"fontsize": 11, "weight": "bold", "color": COLORS[way], "path_effects": HALO, "zorder": 5}
-    place = {"textcoords": "offset points", "ha": side, "va": "bottom" if end > 0 else "top"}
-    at = (point.error, 1e3 * point.seconds)
-    unit, _, stiffness = way.partition(", ")
-    ax.annotate(stiffness if way in COMPLIANT else way, at, offset, **place, **look)
-    if way == COMPLIANT[len(COMPLIANT) // 2]:
-        ax.annotate(unit, at, (offset[0], offset[1] + 38.0), **place, **look)
+def _names(ax: Axes, points: Sequence[CoupledPoint]) -> None:
+    """The names of the ways at their curves."""
+    for way, (end, offset, side) in PLACES.items():
+        seen = [point for point in points if point.way == way and point.error > FINEST]
+        if seen:
+            point = max(seen, key=lambda p: end * p.seconds)
+            place = {"textcoords": "offset points", "ha": side, "va": "bottom" if end > 0 else "top"}
+            ax.annotate(way, (point.error, 1e3 * point.seconds), offset, **place, **_look(way))
+
+
+def _stiffnesses(ax: Axes, points: Sequence[CoupledPoint]) -> None:
+    """Names above the columns, all at one height, as the columns are close."""
+    columns = {way: [point for point in points if point.way == way] for way in COMPLIANT}
+    columns = {way: own for way, own in columns.items() if own}
+    top = 1.4e3 * max((point.seconds for own in columns.values() for point in own), default=1.0)
+    for number, (way, own) in enumerate(columns.items()):
+        error = min(point.error for point in own)
+        unit, _, stiffness = way.partition(", ")
+        ax.text(error, top, stiffness, ha="center", **_look(way))
+        if number == len(columns) // 2:
+            ax.text(error, 1.5 * top, unit, ha="center", **_look(way))
+
+
+def _look(way: str) -> dict[str, Any]:
+    """Of a name."""
+    return {"fontsize": 11, "weight": "bold", "color": COLORS[way], "path_effects": HALO, "zorder": 5}
 
 
 def _band(ax: Axes, taken: Sequence[CoupledPoint], errors: Sequence[float]) -> None:
