@@ -1,4 +1,7 @@
-"""A headless Chromium, led through the pipe of its DevTools protocol."""
+"""A headless Chromium, led through the pipe of its DevTools protocol.
+
+python chromium.py PAGE PICTURE takes the picture of a view.html half-way through its run.
+"""
 
 import base64
 import fcntl
@@ -7,8 +10,13 @@ import os
 import select
 import shutil
 import signal
+import sys
+import tempfile
 import time
+from io import BytesIO
 from pathlib import Path
+
+from PIL import Image
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 # as root there is no sandbox, without a graphics card WebGL is computed; the rest keeps it from calling home
@@ -155,3 +163,20 @@ def _high(ends: tuple[int, int]) -> tuple[int, int]:
     for end in ends:
         os.close(end)
     return moved
+
+
+def take_picture(page: Path, picture: Path) -> None:
+    """Writes a PNG of a view.html."""
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        browser = Browser(Path(folder))
+        browser.prefer(prefers_color_scheme="light", prefers_reduced_motion="reduce")
+        browser.open(page.resolve())
+        browser.value("ulna.world.then(() => ulna.clock.seek((ulna.clock.start + ulna.clock.end) / 2))")
+        browser.value("new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn)))")
+        png = browser.screenshot()
+        browser.close()
+    Image.open(BytesIO(png)).convert("RGB").save(picture, optimize=True)
+
+
+if __name__ == "__main__":
+    take_picture(Path(sys.argv[1]), Path(sys.argv[2]))
