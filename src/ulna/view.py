@@ -200,4 +200,6 @@ def _script() -> Path:
     for path in BUNDLES:
         if path.is_file():
             return path
-    raise FileNotFoundError("its script was not built, which needs npm and node; install them, then 'make build' or 'pip install .'")
+    raise FileNotFoundError(
+        "its script was not built, which needs npm and node; install them, then 'make build' or 'pip install .'"
+    )
