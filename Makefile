@@ -4,7 +4,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 JOBS := $(shell nproc 2>/dev/null || echo 2)
 
-.PHONY: demo test build lint clean
+.PHONY: demo test build picture lint clean
 
 demo: build
 	$(BIN)/ulna run follow --out results/follow
@@ -19,6 +19,10 @@ test: build .venv/importers
 build: .venv/ready
 	cmake --preset release -DPython3_EXECUTABLE=$(CURDIR)/$(BIN)/python
 	cmake --build --preset release --parallel $(JOBS)
+
+# the page in README.md, by Chromium
+picture: demo
+	$(BIN)/python tests/chromium.py results/follow/view.html examples/pictures/view.png
 
 .venv/ready: pyproject.toml
 	$(PYTHON) -m venv .venv

@@ -34,7 +34,7 @@ def true_distance(names, results):
     return np.linalg.norm(results["ball.position"] - results["forearm.tip_position"], axis=1) - names["BALL_RADIUS"]
 
 
-@pytest.mark.parametrize("name", ["follow", "tumble", "wave", "swing", "arm_two_ways"])
+@pytest.mark.parametrize("name", ["follow", "tumble", "wave", "swing", "arm_two_ways", "skins"])
 def test_all_that_a_scene_records_is_finite(name):
     _, results = run(name)
     assert len(results) > 1000
@@ -151,3 +151,15 @@ def test_the_softer_the_springs_the_farther_the_two_arms_part():
         assert not results.summary["wrong"]
     # within half a second the arms are not yet chaotic: apart by the give of the joints, force over stiffness
     assert 5.0 < apart[1] / apart[0] < 20.0
+
+
+def test_skins_tear_collapse_or_hold_as_the_closed_forms_say():
+    """Bent by 150 degrees at 2 s, twisted by 170 at 6 s: linear blend leaves cos(angle/2), squared in twist."""
+    names, results = run("skins")
+    bent, twisted = np.searchsorted(results.time, [2.0 - 1e-9, 6.0 - 1e-9])
+    gap = {method: results[f"{method}.elbow_gap"][bent] for method in names["METHODS"]}
+    section = {method: results[f"{method}.minimum_section_ratio"] for method in names["METHODS"]}
+    assert gap["rigid"] > 5.0 * max(gap["linear_blend"], gap["dual_quaternion"])
+    assert section["linear_blend"][bent] == pytest.approx(cos(names["BEND"] / 2), rel=1e-9)
+    assert section["linear_blend"][twisted] == pytest.approx(cos(names["TWIST"] / 2) ** 2, rel=1e-6)
+    np.testing.assert_allclose(section["dual_quaternion"], 1.0, rtol=1e-9)

@@ -30,6 +30,7 @@ from .results import Results
 from .scene import Scene
 from .slave import UnitError
 from .stability.command import stability
+from .view import write_view
 
 FAILED = 1
 WRONG = 2
@@ -62,7 +63,7 @@ def run(
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder to write to; default: results/SCENE.")] = None,
 ) -> None:
-    """Runs a scene; writes results.csv, plot.png, picture.png and arm.glb."""
+    """Runs a scene; writes results.csv, plot.png, picture.png, arm.glb and view.html."""
     with _mistakes(scene):
         example = load(scene)
         master = master or example.master
@@ -205,12 +206,13 @@ def _simulate(scene: Scene, until: float, step: float, **how: Any) -> tuple[Resu
 
 
 def _write(results: Results, scene: Scene, folder: Path) -> list[str]:
-    """Writes the files of a run and returns their names; what was not recorded has no picture, which is said."""
+    """Writes the files of a run and returns their names; what lacks a recording, or its maker, is said."""
     writers = {
         "results.csv": results.to_csv,
         "plot.png": lambda path: plot(results, path, scene),
         "picture.png": lambda path: filmstrip(results, scene, path),
         "arm.glb": lambda path: write_glb(path, results, scene),
+        "view.html": lambda path: write_view(path, results, scene),
     }
     folder.mkdir(parents=True, exist_ok=True)
     written = []
@@ -218,7 +220,7 @@ def _write(results: Results, scene: Scene, folder: Path) -> list[str]:
         try:
             write(folder / name)
             written.append(name)
-        except KeyError as error:
+        except (KeyError, FileNotFoundError) as error:
             errors.print(f"no {name}: {error.args[0]}", markup=False, highlight=False)
     return written
 

@@ -28,7 +28,12 @@ ELEMENT_TYPES = {(): gltf.SCALAR, (3,): gltf.VEC3, (4,): gltf.VEC4, (4, 4): gltf
 
 
 def write_glb(path: str | PathLike, results: Results, scene: Scene) -> None:
-    """Writes the units of a scene as they moved in a run, 30 frames a second, times from 0 s.
+    """Writes what `glb` returns, and raises what it does."""
+    Path(path).write_bytes(glb(results, scene))
+
+
+def glb(results: Results, scene: Scene) -> bytes:
+    """The units of a scene as they moved in a run, 30 frames a second, times from 0 s.
 
     Raises KeyError, with the name, if a pose was neither recorded nor driven by what was.
     """
@@ -38,7 +43,7 @@ def write_glb(path: str | PathLike, results: Results, scene: Scene) -> None:
         file.add_part(part, rows)
     for unit in units_of(scene, "ArmSkin"):
         file.add_skin(unit, results, scene, rows)
-    file.save(path)
+    return file.finish()
 
 
 def frames(time: np.ndarray) -> np.ndarray:
@@ -109,13 +114,13 @@ class _File:
         self.document.nodes.append(gltf.Node(name=unit.name, mesh=mesh, skin=len(self.document.skins) - 1))
         self.document.scenes[0].nodes.append(len(self.document.nodes) - 1)
 
-    def save(self, path: str | PathLike) -> None:
+    def finish(self) -> bytes:
         document = self.document
         if self.animation.channels:
             document.animations.append(self.animation)
         document.buffers = [gltf.Buffer(byteLength=len(self.data))] if self.data else []
         document.set_binary_blob(bytes(self.data))
-        Path(path).write_bytes(b"".join(document.save_to_bytes()))
+        return b"".join(document.save_to_bytes())
 
     def _add_node(self, name: str, position: np.ndarray, orientation: np.ndarray) -> int:
         """A node below the world; what does not move is not animated."""

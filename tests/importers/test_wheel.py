@@ -50,6 +50,8 @@ def test_the_wheel_carries_fmus_that_are_found_from_anywhere(checkout, tmp_path)
     (wheel,) = wheels.glob("ulna-*.whl")
     with zipfile.ZipFile(wheel) as archive:
         carried = {name for name in archive.namelist() if name.endswith(".fmu")}
+        if shutil.which("npm"):
+            assert {f"ulna/viewer/{name}" for name in ("bundle.js", "page.html", "page.css")} <= set(archive.namelist())
         archive.extractall(tmp_path / "installed")
     assert carried == {f"ulna/fmus/{version}/RigidBody.fmu" for version in VERSIONS}
     shutil.rmtree(checkout)

@@ -232,14 +232,19 @@ class Joined:
         np.add.at(response, (one, other), sign * self._mobility.world()[pair])
         response = basis.T @ response.transpose(0, 2, 1, 3).reshape(6 * count, 6 * count) @ basis
         damped = state.active % UNKNOWNS >= 5
+        if self._redundant is None:
+            values = np.linalg.svd(response[np.ix_(~damped, ~damped)], compute_uv=False)
+            self._redundant = bool(values[-1] < SINGULAR * values[0])
+        if not np.any(damped):
+            # of half the size; the other factor is the inverse of OF_GAPS
+            return np.kron([[6.0, -2.0], [-6.0, 4.0]], self._inverted(response) / step**2)
         matrix = step**2 * np.where(damped, OF_RATES, OF_GAPS)[:, :, :, None] * response
         rows = np.flatnonzero(damped)
         for time in range(2):
             matrix[time, time, rows, rows] += step / np.repeat(state.damping, UNKNOWNS)[state.active[rows]]
-        matrix = matrix.transpose(0, 2, 1, 3).reshape(2 * len(response), -1)
-        if self._redundant is None:
-            values = np.linalg.svd(response[np.ix_(~damped, ~damped)], compute_uv=False)
-            self._redundant = bool(values[-1] < SINGULAR * values[0])
+        return self._inverted(matrix.transpose(0, 2, 1, 3).reshape(2 * len(response), -1))
+
+    def _inverted(self, matrix: np.ndarray) -> np.ndarray:
         return np.linalg.pinv(matrix, rcond=SINGULAR) if self._redundant else np.linalg.inv(matrix)
 
 
