@@ -10,6 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from .coupling import Coupling, CouplingError
+from .slave import UnitError
 from .watch import FLOAT64, Watch
 
 Step = Callable[[float, float, float], None]
@@ -36,6 +37,7 @@ class Controlled:
         self._tolerance, self._order = tolerance, 2 if coupling.lines else 1
         self._saves, self._restores = coupling.rollbacks(coupling.units)
         self._length, self._error = 0.0, 1.0
+        self._failure: Exception | None = None
         self._rows, self._probes = [self._row()], [self._probe()]
         self._times = [coupling.time.value]
         self._new = 1
@@ -64,16 +66,18 @@ class Controlled:
             self._length, rejected = length * max(LEAST, SAFETY * error ** (-1.0 / self._order)), error
             if self._length < SHORTEST * step:
                 raise CouplingError(
-                    f"at t = {now:.9g} s the units do not settle in steps above {SHORTEST * step:.3g} s: take another "
-                    "master"
-                )
+                    f"at t = {now:.9g} s no step above {SHORTEST * step:.3g} s can be taken: {self._failure}"
+                ) from self._failure
         self._report()
 
     def _try(self, now: float, after: float) -> float:
         """Takes a step and returns its error over the tolerance."""
         try:
             self._advance(now, after - now, after)
-        except CouplingError:
+        except (CouplingError, UnitError) as error:
+            if isinstance(error, UnitError) and error.status == "fatal":
+                raise
+            self._failure = error
             return np.inf
         rows, times = np.array([*self._rows[-2:], self._row()]), np.array([*self._times[-2:], after])
         return max(self._watch.step_error(rows, times), self._coupling.own_error) / self._tolerance

@@ -19,8 +19,8 @@ from .port import Port
 from .slave import Slave
 from .slopes import SlopePort, slope_port
 
-Call = tuple[Callable[..., int], tuple, Slave, str]
-"""A C function, its arguments, whose it is and its name."""
+Call = tuple[Callable[..., Any], tuple, Slave | None, str]
+"""A C function, its arguments, whose it is and its name; or, of no unit, a function that moves numbers."""
 
 Move = tuple[Callable[..., Any], tuple]
 """A function that moves numbers, and its arguments."""
@@ -31,10 +31,9 @@ Place = tuple[np.dtype, int, int]
 
 @dataclass
 class Stage:
-    """What is done for some units at once: signals, then transfers, then calls."""
+    """What is done in one go: signals, then calls."""
 
     signals: list[tuple[np.ndarray, Callable[[float], Any]]] = field(default_factory=list)
-    transfers: list[Move] = field(default_factory=list)
     calls: list[Call] = field(default_factory=list)
 
 
@@ -115,18 +114,19 @@ class Coupling:
         """Where a variable that is written lies, flat."""
         return _view(self.inputs, self._input_places[end])
 
-    def stage(self, units: Sequence[str], *, step: bool = True) -> Stage:
-        """Takes the inputs of these units from `outputs`, sets them, steps all units (unless `step` is false, as in
-        initialization), and reads their outputs."""
+    def stage(self, groups: Sequence[Sequence[str]], *, step: bool = True) -> Stage:
+        """All signals of these units; then, group by group: takes the inputs of the units from `outputs`, sets them,
+        steps all (unless `step` is false, as in initialization), and reads their outputs."""
         stage = Stage()
-        for name in units:
-            stage.signals += self.signals[name]
-            stage.transfers += self.transfers[name]
-        stage.calls += self.sets(units)
-        if step:
-            stage.calls += self.probes(units)
-            stage.calls += self.steps(units)
-        stage.calls += self.gets(units)
+        for units in groups:
+            for name in units:
+                stage.signals += self.signals[name]
+                stage.calls += [(*move, None, "") for move in self.transfers[name]]
+            stage.calls += self.sets(units)
+            if step:
+                stage.calls += self.probes(units)
+                stage.calls += self.steps(units)
+            stage.calls += self.gets(units)
         return stage
 
     def sets(self, units: Sequence[str]) -> list[Call]:
@@ -204,19 +204,13 @@ class Coupling:
         """Runs a stage, with signals at `time`; raises UnitError for the first call that fails."""
         for values, function in stage.signals:
             values[...] = function(time)
-        for move, arguments in stage.transfers:
-            move(*arguments)
-        # not by `call`, which would cost as much as a transfer
-        for function, arguments, slave, name in stage.calls:
-            status = function(*arguments)
-            if status > WARNING:
-                self._fail(slave, name, status)
+        self.call(stage.calls)
 
     def call(self, calls: Sequence[Call]) -> None:
         """Makes these calls; raises UnitError for the first that fails."""
         for function, arguments, slave, name in calls:
             status = function(*arguments)
-            if status > WARNING:
+            if slave is not None and status > WARNING:
                 self._fail(slave, name, status)
 
     def _fail(self, slave: Slave, name: str, status: int) -> None:

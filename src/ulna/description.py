@@ -119,6 +119,12 @@ class Description:
         """Whether its derivatives say that its outputs follow from its inputs alone."""
         return self.directional_derivatives and not self.has_states
 
+    @property
+    def sampled(self) -> bool:
+        """Whether its outputs change at events only: then what it is told counts when it is told."""
+        outputs = [variable for variable in self.variables.values() if variable.causality == "output"]
+        return all(variable.variability == "discrete" for variable in outputs)
+
 
 _cache: dict[tuple, Description] = {}
 _cache_lock = Lock()
@@ -163,11 +169,18 @@ def _extract(path: Path) -> Description:
         log_categories=frozenset(category.name for category in model.logCategories),
         saves_state=model.coSimulation.canGetAndSetFMUstate,
         serializes_state=model.coSimulation.canSerializeFMUstate,
-        directional_derivatives=bool(model.coSimulation.providesDirectionalDerivative),
+        directional_derivatives=_gives_directional_derivatives(folder),
         interpolates_inputs=version == "2.0" and bool(model.coSimulation.canInterpolateInputs),
         variable_step=bool(model.coSimulation.canHandleVariableCommunicationStepSize),
         has_states=bool(model.derivatives),
     )
+
+
+def _gives_directional_derivatives(folder: Path) -> bool:
+    """FMPy knows the attribute by its name in FMI 2 only."""
+    interface = ElementTree.parse(folder / "modelDescription.xml").getroot().find("CoSimulation")
+    names = ("providesDirectionalDerivative", "providesDirectionalDerivatives")
+    return any(interface.get(name) in ("true", "1") for name in names)
 
 
 def _gather(model: ModelDescription) -> dict[str, list[ModelVariable]]:

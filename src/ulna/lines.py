@@ -3,8 +3,9 @@
 A line starts at what the sources put out at the begin of the step. It ends at what they put out at the end where that
 is known already, at the signal's value there, or else at a guess: the line through the last two steps, which a master
 may improve. Units take the slope through `slopes`. One that takes it of some inputs only is given the others as they
-are at the begin: it continues them by those, as HingedBody its anchor's motion. One that takes none makes two half
-steps, each with a constant; if it cannot, or has no states, it is given the mean.
+are at the begin: it continues them by those, as HingedBody its anchor's motion; so is one that samples at events, or
+has no states. Any other that takes no slope makes two half steps, each with a constant; if it cannot, it is given the
+mean.
 """
 
 from collections.abc import Iterable, Sequence
@@ -29,9 +30,11 @@ class Part:
         mine = _indices(place for _, place in coupling.float_inputs(units))
         self.mine = as_slice(mine)
         self.fresh = np.intersect1d(np.setdiff1d(lines.connected, lines.late), mine)
-        slopeless = [name for name in units if not coupling.slopes([name]).calls]
-        known = {name: coupling.slaves[name].description for name in slopeless}
-        halved = [name for name in slopeless if known[name].variable_step and not known[name].stateless]
+        told = [name for name in units if coupling.float_inputs([name])]
+        known = {name: coupling.slaves[name].description for name in told}
+        told = [name for name in told if not (known[name].sampled or known[name].stateless)]
+        slopeless = [name for name in told if not coupling.slopes([name]).calls]
+        halved = [name for name in slopeless if known[name].variable_step]
         whole = [name for name in units if name not in halved]
         self.slopes = coupling.slopes(whole)
         self.held = _indices(place for _, place in coupling.float_inputs([n for n in slopeless if n not in halved]))

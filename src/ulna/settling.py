@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .coupling import Coupling, Stage
+from .coupling import Coupling
 from .lines import late_connections
 from .ordering import Loop
 
@@ -27,8 +27,7 @@ def settle(coupling: Coupling, start: float, algebraic: Sequence[Loop], *, newto
     coupling.time.value = start
     # Where a loop is opened, the first pass takes what the unit puts out for the start values of its own inputs.
     coupling.run(coupling.reading(), start)
-    stages = [coupling.stage([unit], step=False) for unit in coupling.order]
-    passes = _solved(coupling, stages, start) if newton and algebraic else _settled_after(coupling, stages, start)
+    passes = _solved(coupling, start) if newton and algebraic else _settled_after(coupling, start)
     if passes is None:
         loops = "; ".join(map(str, algebraic))
         advice = "" if newton else "; the master newton solves them"
@@ -39,19 +38,19 @@ def settle(coupling: Coupling, start: float, algebraic: Sequence[Loop], *, newto
     return passes
 
 
-def _settled_after(coupling: Coupling, stages: Sequence[Stage], start: float) -> int | None:
+def _settled_after(coupling: Coupling, start: float) -> int | None:
     """Number of passes, in the order of the dependencies, until one changes nothing; or at last round-off only."""
+    stage = coupling.stage([[unit] for unit in coupling.order], step=False)
     for passes in range(1, PASSES + 1):
         before = coupling.snapshot()
-        for stage in stages:
-            coupling.run(stage, start)
+        coupling.run(stage, start)
         if all(np.array_equal(*pair) for pair in zip(before, coupling.snapshot(), strict=True)):
             return passes
     same = all(np.allclose(*pair, rtol=SETTLED, atol=SETTLED) for pair in zip(before, coupling.snapshot(), strict=True))
     return PASSES if same else None
 
 
-def _solved(coupling: Coupling, stages: Sequence[Stage], start: float) -> int | None:
+def _solved(coupling: Coupling, start: float) -> int | None:
     """Number of passes of Newton's method on the inputs that go against the order, float64 ones."""
     late = late_connections(coupling, [[unit] for unit in coupling.order])
     places = dict(coupling.float_inputs(coupling.units))
@@ -61,16 +60,19 @@ def _solved(coupling: Coupling, stages: Sequence[Stage], start: float) -> int | 
     values = coupling.inputs[np.dtype(np.float64)]
 
     def delivered(guess: np.ndarray) -> np.ndarray:
-        for stage in stages:
-            for move, arguments in stage.transfers:
+        for unit in coupling.order:
+            for move, arguments in coupling.transfers[unit]:
                 move(*arguments)
             values[torn] = guess
-            coupling.run(Stage(signals=stage.signals, calls=stage.calls), start)
-        for stage in stages:
-            for move, arguments in stage.transfers:
+            coupling.call([*coupling.sets([unit]), *coupling.gets([unit])])
+        for unit in coupling.order:
+            for move, arguments in coupling.transfers[unit]:
                 move(*arguments)
         return values[torn].copy()
 
+    for unit in coupling.order:
+        for view, function in coupling.signals[unit]:
+            view[...] = function(start)
     guess = delivered(values[torn].copy())
     for passes in range(1, NEWTON_PASSES + 1):
         residual = delivered(guess) - guess

@@ -27,7 +27,7 @@ def test_the_watch_finds_the_energy_that_a_held_wrench_creates(coupled, master):
         assert row["warned"] >= row["wrong"]
 
 
-@pytest.mark.parametrize("master", ["gauss_seidel_order_1", "iterated", "newton"])
+@pytest.mark.parametrize("master", ["jacobi_order_1", "gauss_seidel_order_1", "iterated", "newton"])
 def test_the_watch_finds_what_lines_create_to_a_tenth(coupled, master):
     """Of order 2 in H; what is below a millionth of the energy is the next order's."""
     for row in [row for row in coupled["energies"] if row["master"] == master]:

@@ -22,12 +22,11 @@ def prepare(coupling: Coupling, extrapolation: int) -> Callable[[float, float, f
     if extrapolation:
         return extrapolated(Lines(coupling, groups))
     coupling.late = late_connections(coupling, groups)
-    stages = [coupling.stage(group) for group in groups]
+    stage = coupling.stage(groups)
 
     def step(time: float, step: float, end: float) -> None:
         coupling.time.value = time
         coupling.step.value = step
-        for stage in stages:
-            coupling.run(stage, end)
+        coupling.run(stage, end)
 
     return step

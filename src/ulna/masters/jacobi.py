@@ -19,7 +19,7 @@ def prepare(coupling: Coupling, extrapolation: int) -> Callable[[float, float, f
     if extrapolation:
         return extrapolated(Lines(coupling, [coupling.units]))
     coupling.late = late_connections(coupling, [coupling.units])
-    stage = coupling.stage(coupling.units)
+    stage = coupling.stage([coupling.units])
 
     def step(time: float, step: float, end: float) -> None:
         coupling.time.value = time

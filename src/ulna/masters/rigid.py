@@ -131,12 +131,12 @@ class Joined:
         if not self._measured:
             self._measure()
         start = Start(state, step)
-        unknowns, sweeps = self._solve(start)
+        unknowns, sweeps, noise = self._solve(start)
         self._measured = sweeps <= SLOW
         figures = coupling.figures
         figures["sweeps"] += sweeps
         figures["largest_gap"] = max(figures["largest_gap"], float(np.abs(state.gaps()[0, :, :3]).max()))
-        self._remember(start, unknowns)
+        self._remember(start, unknowns, noise)
 
     def _measure(self) -> None:
         """Measures the mobility at the start of the step, with no wrench from the joints."""
@@ -147,8 +147,9 @@ class Joined:
         self._coupling.call([*self._restores, *self._coupling.gets(units)])
         self._state.read()
 
-    def _solve(self, start: Start) -> tuple[np.ndarray, int]:
-        """The unknowns that close the gaps at the end of the step, shape (2, 8 n), and the number of sweeps."""
+    def _solve(self, start: Start) -> tuple[np.ndarray, int, float]:
+        """The unknowns that close the gaps at the end of the step, shape (2, 8 n), the number of sweeps, and how far
+        the unknowns are open, as gaps below CLOSED count as none."""
         lines, state = self._lines, self._state
         unknowns, inverse = self._guess(start), self._inverse(start)
         allowed = CLOSED * (1.0 + np.abs(state.motion[:, :6]).max())
@@ -160,7 +161,7 @@ class Joined:
             gaps = residual(state, start, unknowns.reshape(2, -1, UNKNOWNS)).reshape(2, -1)[:, state.active].reshape(-1)
             size = np.abs(gaps).max()
             if size <= allowed or (before is not None and NOISE * allowed > size > STALLED * np.abs(before).max()):
-                return unknowns, sweeps
+                return unknowns, sweeps, float(2.0 * max(size, allowed) * np.abs(inverse).sum(axis=1).max())
             if not np.isfinite(size):
                 break
             if before is not None:
@@ -180,7 +181,8 @@ class Joined:
         torques = (wrenches[:, :, None, 3:6] @ start.triad[:, :, :2])[:, :, 0]
         return np.concatenate([wrenches[:, :, :3], torques, wrenches[:, :, 6:]], axis=2).reshape(2, -1)
 
-    def _remember(self, start: Start, unknowns: np.ndarray) -> None:
+    def _remember(self, start: Start, unknowns: np.ndarray, noise: float) -> None:
+        """Keeps the wrenches, and takes their jump from the step before, as far as it is no noise, for the error."""
         across, unknowns = start.triad[:, :, :2], unknowns.reshape(2, -1, UNKNOWNS)
         last = self.memory[0, 1].copy()
         self.memory[1:] = self.memory[:-1]
@@ -191,7 +193,7 @@ class Joined:
         self.times[0] = self._coupling.time.value
         if self.count[0]:
             jump = np.abs(self.memory[0, 0] - last).max()
-            self._coupling.own_error = float(jump / (1.0 + np.abs(self.memory[:, 1]).max()))
+            self._coupling.own_error = float(max(jump - noise, 0.0) / (1.0 + np.abs(self.memory[:, 1]).max()))
         self.count[0] = min(self.count[0] + 1, REMEMBERED)
 
     def _write(self, start: Start, unknowns: np.ndarray) -> None:
@@ -221,16 +223,15 @@ class Joined:
         end at step (7 a0 + 5 a1) / 12: see `joint_wrench`.
         """
         count, step, state = len(self._state.joints), start.step, self._state
-        basis = np.zeros((count, 6, count, UNKNOWNS))
-        every = np.arange(count)
-        basis[every, :3, every, :3] = np.eye(3)
-        basis[every, 3:, every, 3:5] = start.triad[:, :, :2]
-        basis[every, 3:, every, 5:] = np.eye(3)
-        basis = basis.reshape(6 * count, -1)[:, state.active]
+        basis = np.zeros((count, 6, UNKNOWNS))
+        basis[:, :3, :3] = basis[:, 3:, 5:] = np.eye(3)
+        basis[:, 3:, 3:5] = start.triad[:, :, :2]
         one, other, pair, sign = self._pairs
-        response = np.zeros((count, count, 6, 6))
-        np.add.at(response, (one, other), sign * self._mobility.world()[pair])
-        response = basis.T @ response.transpose(0, 2, 1, 3).reshape(6 * count, 6 * count) @ basis
+        blocks = np.zeros((count, count, UNKNOWNS, UNKNOWNS))
+        np.add.at(
+            blocks, (one, other), sign * (basis[one].transpose(0, 2, 1) @ self._mobility.world()[pair] @ basis[other])
+        )
+        response = blocks.transpose(0, 2, 1, 3).reshape(UNKNOWNS * count, -1)[np.ix_(state.active, state.active)]
         damped = state.active % UNKNOWNS >= 5
         if self._redundant is None:
             values = np.linalg.svd(response[np.ix_(~damped, ~damped)], compute_uv=False)
