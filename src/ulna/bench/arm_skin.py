@@ -32,6 +32,7 @@ def posed(method: str, pose: Pose, vertex_count: int) -> Slave:
         "ArmSkin",
         vertex_count=vertex_count,
         method=method,
+        twist_share=0.0,
         upper_arm_position=pose.shoulder,
         upper_arm_orientation=pose.upper,
         forearm_position=pose.elbow,
