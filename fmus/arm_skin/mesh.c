@@ -6,6 +6,7 @@
  */
 #include "equations.h"
 #include "centers.c"
+#include "profile.c"
 
 /* Steps between rings: shoulder's end, straight, half of the zone (twice), straight, hand's end. */
 typedef struct RingPlan {
@@ -27,9 +28,8 @@ static RingPlan arm_skin_plan(const ArmSkin *skin)
     size_t rings = arm_skin_ring_count(skin);
     RingPlan plan = {.end = rings / 10, .half_zone = rings / 4};
     size_t straight = rings - 1 - 2 * plan.end - 2 * plan.half_zone;
-    double margin = skin->radius + skin->blend_half_width;
-    double upper_arm = skin->upper_arm_length - margin;
-    double forearm = skin->forearm_length - margin;
+    double upper_arm = skin->upper_arm_length - skin->radius - skin->blend_half_width;
+    double forearm = skin->forearm_length - hand_radius(skin) - skin->blend_half_width;
     plan.upper_arm = 1 + (size_t)((double)(straight - 2) * upper_arm / (upper_arm + forearm) + 0.5);
     plan.forearm = straight - plan.upper_arm;
     return plan;
@@ -51,28 +51,34 @@ static void set_weight(const ArmSkin *skin, ArmRing *ring)
 static ArmRing straight_ring(const ArmSkin *skin, double from, double to, size_t step, size_t steps)
 {
     double share = (double)step / (double)steps;
-    ArmRing ring = {.x = from * (1.0 - share) + to * share, .radius = skin->radius, .normal_radial = 1.0};
+    ArmRing ring = {.x = from * (1.0 - share) + to * share};
+    Thickness thickness = thickness_at(skin, ring.x);
+    double steepness = hypot(1.0, thickness.slope);
+    ring.radius = thickness.radius;
+    ring.normal_x = -thickness.slope / steepness;
+    ring.normal_radial = 1.0 / steepness;
     return ring;
 }
 
 /* A ring on the round end about `center`, `step` of `steps` and a half from its pole, which lies
  * on the side of `sign`. */
-static ArmRing end_ring(const ArmSkin *skin, double center, double sign, size_t step, size_t steps)
+static ArmRing end_ring(double radius, double center, double sign, size_t step, size_t steps)
 {
     double angle = pi_half() * ((double)step + 0.5) / ((double)steps + 0.5);
     ArmRing ring = {.normal_x = sign * cos(angle), .normal_radial = sin(angle)};
-    ring.x = center + skin->radius * ring.normal_x;
-    ring.radius = skin->radius * ring.normal_radial;
+    ring.x = center + radius * ring.normal_x;
+    ring.radius = radius * ring.normal_radial;
     return ring;
 }
 
 static void place_rings(const ArmSkin *skin, RingPlan plan, ArmRing *ring)
 {
     double shoulder = skin->radius - skin->upper_arm_length;
-    double hand = skin->forearm_length - skin->radius;
+    double end_radius = hand_radius(skin);
+    double hand = skin->forearm_length - end_radius;
     double h = skin->blend_half_width;
     for (size_t i = 0; i < plan.end; i++) {
-        *ring++ = end_ring(skin, shoulder, -1.0, i, plan.end);
+        *ring++ = end_ring(skin->radius, shoulder, -1.0, i, plan.end);
     }
     for (size_t i = 0; i < plan.upper_arm; i++) {
         *ring++ = straight_ring(skin, shoulder, -h, i, plan.upper_arm);
@@ -84,7 +90,7 @@ static void place_rings(const ArmSkin *skin, RingPlan plan, ArmRing *ring)
         *ring++ = straight_ring(skin, h, hand, i, plan.forearm);
     }
     for (size_t i = plan.end; i > 0; i--) {
-        *ring++ = end_ring(skin, hand, 1.0, i - 1, plan.end);
+        *ring++ = end_ring(end_radius, hand, 1.0, i - 1, plan.end);
     }
 }
 
@@ -119,8 +125,9 @@ static double legendre(double z, double *slope)
 }
 
 /* Where integrals over the blend zone are taken: Gauss and Legendre's rule, its places by Newton. */
-static void place_nodes(ZoneNode *node)
+static void place_nodes(const ArmSkin *skin, ZoneNode *node)
 {
+    double volume = 0.0;
     for (size_t i = 0; i < ZONE_NODES; i++) {
         double slope = 0.0;
         double z = cos(2.0 * pi_half() * ((double)i + 0.75) / (ZONE_NODES + 0.5));
@@ -132,7 +139,12 @@ static void place_nodes(ZoneNode *node)
         node[i].weight = s * s * (3.0 - 2.0 * s);
         node[i].length = 1.0 / ((1.0 - z * z) * slope * slope);
         node[i].weight_step = 6.0 * s * (1.0 - s) * node[i].length;
-        node[i].area = 1.0;
+        double radius = thickness_at(skin, skin->blend_half_width * z).radius;
+        node[i].area = radius * radius;
+        volume += node[i].area * node[i].length;
+    }
+    for (size_t i = 0; i < ZONE_NODES; i++) {
+        node[i].area /= volume;
     }
 }
 
@@ -163,7 +175,7 @@ static void arm_skin_prepare(const ArmSkin *skin, void *workspace)
         set_weight(skin, &rings[i]);
     }
     set_centers(mesh, rings);
-    place_nodes(mesh->node);
+    place_nodes(skin, mesh->node);
 
     double spoke = 4.0 * pi_half() / RING_VERTICES;
     for (size_t k = 0; k <= RING_VERTICES; k++) {
