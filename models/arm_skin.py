@@ -2,7 +2,8 @@
 
 Points are carried in the world: a blend of the two bones' motions there must be what a blend in any other axes is.
 Source: Kavan, Collins, Zara and O'Sullivan, "Geometric skinning with approximate dual quaternion blending", ACM
-Transactions on Graphics 27 (4), 2008; Clifford, "Preliminary sketch of biquaternions", 1873.
+Transactions on Graphics 27 (4), 2008; Clifford, "Preliminary sketch of biquaternions", 1873; Le and Hodgins,
+"Real-time skeletal skinning with optimized centers of rotation", ACM Transactions on Graphics 35 (4), 2016.
 """
 
 from collections.abc import Mapping
@@ -11,19 +12,32 @@ from functools import cache
 import casadi as ca
 from casadi import SX
 
-from .algebra import Equations, Values, conjugate, in_other_units, left, pure, right, rotation_matrix
+from .algebra import Equations, Values, conjugate, in_other_units, left, pure, right, rotation_matrix, substituted
 
-LENGTHS = {"upper_arm_length": "m", "forearm_length": "m", "radius": "m"}
+LENGTHS = {"upper_arm_length": "m", "forearm_length": "m", "radius": "m", "blend_half_width": "m"}
 POSES = {
     "upper_arm_position": "m",
     "upper_arm_orientation": "1",
     "forearm_position": "m",
     "forearm_orientation": "1",
 }
-SKIN = {"point": "m", "weight": "1", "weight_slope": "1/m", "rest_normal": "1"}
-"""A vertex at rest: from the elbow; share of the forearm, its slope along the bone; outward unit normal."""
+SKIN = {
+    "point": "m",
+    "weight": "1",
+    "weight_gradient": "1/m",
+    "rest_normal": "1",
+    "center": "m",
+    "center_rate": "m",
+    "widening": "1",
+}
+"""A vertex at rest: from the elbow; share of the forearm, its gradient; outward unit normal; centre of rotation, from
+the elbow, its derivative by the weight; how much wider the middle of the blend zone is made."""
 
-METHODS = ("linear_blend", "dual_quaternion")
+METHODS = ("linear_blend", "hinge", "dual_quaternion", "center_of_rotation", "compensated")
+RIGID_SECTIONS = METHODS[1:4]
+DRAW = 0.32
+"""How far `compensated` draws a section in: by its shape over the weight, in half widths."""
+
 CAPSULES = {
     "capsule_1_start": "m",
     "capsule_1_end": "m",
@@ -32,12 +46,12 @@ CAPSULES = {
     "capsule_2_end": "m",
     "capsule_2_radius": "m",
 }
-POINTS = {f"{method}_{kind}": "m" for method in METHODS for kind in ("point", "vertex")}
-NORMALS = {f"{method}_normal": "1" for method in METHODS}
+POINTS = {f"{method}_{kind}": "m" for method in METHODS for kind in ("point", "vertex", "ring_vertex")}
+NORMALS = {f"{method}_{kind}": "1" for method in METHODS for kind in ("normal", "ring_normal")}
 BEND = {"bend_rotation": "1", "bend_gap": "m"}
 RESULTS = CAPSULES | BEND | POINTS | NORMALS
 UNITS = LENGTHS | POSES | SKIN | RESULTS
-SIZES = dict.fromkeys((*LENGTHS, "weight", "weight_slope"), 1) | {"upper_arm_orientation": 4, "forearm_orientation": 4}
+SIZES = dict.fromkeys((*LENGTHS, "weight", "widening"), 1) | {"upper_arm_orientation": 4, "forearm_orientation": 4}
 
 SMALLEST_SQUARE = 2.0**-126
 """Stands in for the square of a normal without length: the smallest normal number of float32."""
@@ -53,7 +67,8 @@ def symbols() -> Values:
 def equations(values: Values) -> Values:
     """Capsules, the bend at the elbow, and a vertex by each method: SI units.
 
-    `METHOD_point` is in the axes of the upper arm, from its elbow; `METHOD_vertex` and `METHOD_normal` in the world.
+    `METHOD_point` is in the axes of the upper arm, from its elbow; `METHOD_vertex` and `METHOD_normal` in the world;
+    `METHOD_ring_normal` is that of a ring in the y, z plane on which weight and centre are the same.
     """
     function = _derived()
     results = function(*[values[name] for name in function.name_in()])
@@ -76,15 +91,29 @@ def _derive(values: Values) -> Values:
     results = {
         "bend_rotation": left(conjugate(_unit(values, "upper_arm"))) @ _unit(values, "forearm"),
         "bend_gap": relative[:3, :3] @ elbow + relative[:3, 3] - elbow,
-        "linear_blend_vertex": _linear_blend(values),
-        "dual_quaternion_vertex": _dual_quaternion_blend(values),
         **_capsules(values),
     }
-    for method in METHODS:
-        vertex = results[f"{method}_vertex"]
+    blends = (_linear_blend, _hinge, _dual_quaternion_blend, _center_of_rotation, _compensated)
+    for method, blend in zip(METHODS, blends, strict=True):
+        vertex = blend(values)
+        results[f"{method}_vertex"] = results[f"{method}_ring_vertex"] = vertex
         results[f"{method}_point"] = turn.T @ (vertex - place) - elbow
         results[f"{method}_normal"] = deformed_normal(vertex, values)
+        results[f"{method}_ring_normal"] = deformed_normal(vertex, values | _on_ring(values))
+    # a ring's middle is on the bone, and so is its centre of rotation
+    on_bone = [(values[name][1:], SX.zeros(2)) for name in ("center", "center_rate")]
+    for kind in ("ring_vertex", "ring_normal"):
+        results[f"center_of_rotation_{kind}"] = substituted(results[f"center_of_rotation_{kind}"], on_bone)
     return results
+
+
+def _on_ring(values: Values) -> Values:
+    """A ring of radius 1 m: normals along the bone and along the spokes, the weight's gradient along the bone."""
+    point, normal = values["point"], values["rest_normal"]
+    return {
+        "rest_normal": ca.vertcat(normal[0], normal[1] * point[1:]),
+        "weight_gradient": ca.vertcat(values["weight_gradient"][0], SX(2, 1)),
+    }
 
 
 def _unit(values: Values, bone: str) -> SX:
@@ -112,12 +141,44 @@ def bone_maps(values: Values) -> tuple[SX, SX, SX]:
     return upper_arm, motion_matrix(turns[1], values["forearm_position"]) @ from_elbow, elbow
 
 
-def _linear_blend(values: Values) -> SX:
-    """The mean of the bones' matrices, on the point."""
+def _mean_image(values: Values, point: SX) -> SX:
+    """The mean of the bones' matrices, on a point from the elbow."""
     upper_arm, forearm, elbow = bone_maps(values)
     weight = values["weight"]
     blend = (1 - weight) * upper_arm + weight * forearm
-    return (blend @ ca.vertcat(elbow + values["point"], 1))[:3]
+    return (blend @ ca.vertcat(elbow + point, 1))[:3]
+
+
+def _linear_blend(values: Values) -> SX:
+    return _mean_image(values, values["point"])
+
+
+def _mean_turn(values: Values) -> SX:
+    """The rotation of the normalised mean of the bones' quaternions."""
+    weight = values["weight"]
+    return rotation_matrix((1 - weight) * _unit(values, "upper_arm") + weight * _unit(values, "forearm"))
+
+
+def _hinge(values: Values) -> SX:
+    """Turned about the elbow, which the bones carry to places of which the mean counts."""
+    return _mean_turn(values) @ values["point"] + _mean_image(values, SX(3, 1))
+
+
+def _center_of_rotation(values: Values) -> SX:
+    """Le and Hodgins, equation 1 and algorithm 1: the centre is carried by the mean of the matrices."""
+    center = values["center"]
+    return _mean_turn(values) @ (values["point"] - center) + _mean_image(values, center)
+
+
+def _compensated(values: Values) -> SX:
+    """As `hinge`, of a point whose section is wider, and drawn in toward the inner elbow."""
+    weight, point = values["weight"], values["point"]
+    turn = left(conjugate(_unit(values, "upper_arm"))) @ _unit(values, "forearm")
+    bow = weight * (1 - weight) * (1 + 3 * (1 - 2 * weight) ** 2)
+    inward = DRAW * values["blend_half_width"] * bow * ca.cross(turn[1:], SX([1, 0, 0]))
+    width = 1 + 4 * values["widening"] * weight * (1 - weight)
+    section = ca.vertcat(point[0], width * point[1:]) + inward
+    return _mean_turn(values) @ section + _mean_image(values, SX(3, 1))
 
 
 def dual_product(a: SX, b: SX) -> SX:
@@ -153,9 +214,9 @@ def cofactors(matrix: SX) -> SX:
 
 
 def deformed_normal(vertex: SX, values: Values) -> SX:
-    """cof(J) n over its length; J the Jacobian of the deformation, in which the weight changes along the bone."""
-    along_bone = ca.horzcat(values["weight_slope"], SX(1, 2))
-    jacobian = ca.jacobian(vertex, values["point"]) + ca.jacobian(vertex, values["weight"]) @ along_bone
+    """cof(J) n over its length; J the Jacobian of the deformation, in which weight and centre change with the point."""
+    by_weight = ca.jacobian(vertex, values["weight"]) + ca.jacobian(vertex, values["center"]) @ values["center_rate"]
+    jacobian = ca.jacobian(vertex, values["point"]) + by_weight @ values["weight_gradient"].T
     normal = cofactors(jacobian) @ values["rest_normal"]
     return normal / ca.sqrt(ca.dot(normal, normal) + SMALLEST_SQUARE)
 
@@ -201,9 +262,11 @@ def _images(f: Equations, values: Values, results: Mapping[str, SX]) -> dict[str
     upper_arm, forearm, elbow = bone_maps(values)
     point, weight = values["point"], values["weight"]
     q = values["upper_arm_orientation"]
-    straight = f(values | {"forearm_orientation": q, "forearm_position": _world(values, SX(3, 1))})
+    unbent = {"forearm_orientation": q, "forearm_position": _world(values, SX(3, 1)), "widening": SX(0)}
+    straight = f(values | unbent)
     images = [(bone @ ca.vertcat(elbow + point, 1))[:3] for bone in (upper_arm, forearm)]
     mean = (1 - weight) * images[0] + weight * images[1]
+    ring = f(values | {"center": SX([1, 0, 0]) * values["center"]})
     claims = {"linear blend is the mean of the two images": _world(values, results["linear_blend_point"]) - mean}
     for method in METHODS:
         ends = [f(values | {"weight": SX(end)}) for end in (0, 1)]
@@ -214,6 +277,7 @@ def _images(f: Equations, values: Values, results: Mapping[str, SX]) -> dict[str
             ),
             f"{method}: the mesh's closed form is the definition": results[f"{method}_vertex"]
             - _world(values, results[f"{method}_point"]),
+            f"{method}: a ring is a row of vertices": ring[f"{method}_ring_vertex"] - ring[f"{method}_vertex"],
         }
     return claims | {
         "the capsules lie along the bones, one round end within each": ca.vertcat(
@@ -263,26 +327,33 @@ def _rigid_motions(f: Equations, values: Values, results: Mapping[str, SX]) -> d
         "weight": 1 - values["weight"],
     }
     swapped, neighbour = f(exchanged), f(values | {"point": other})
-    distance, strained = values["point"] - other, results["dual_quaternion_point"] - neighbour["dual_quaternion_point"]
+    distance = values["point"] - other
+    strained = {name: results[f"{name}_point"] - neighbour[f"{name}_point"] for name in RIGID_SECTIONS}
     return {
         "moved as a whole, the arm keeps its shape": ca.vertcat(
             *[there[name] - matrix @ results[name] - shift for name in vectors],
             *[there[name] - matrix @ results[name] for name in NORMALS],
             *[there[name] - results[name] for name in same],
         ),
-        "dual_quaternion: one weight is one rigid motion": ca.dot(strained, strained) - ca.dot(distance, distance),
+        **{
+            f"{method}: one weight is one rigid motion": ca.dot(strain, strain) - ca.dot(distance, distance)
+            for method, strain in strained.items()
+        },
         **{
             f"{method}: no bone comes first": _world(exchanged, swapped[f"{method}_point"])
             - _world(values, results[f"{method}_point"])
-            for method in METHODS
+            for method in METHODS[:4]
         },
     }
 
 
 def _normals(results: Mapping[str, SX], values: Values) -> dict[str, SX]:
     """The skin's normals stand on the skin as it is deformed, and on that side which was outside."""
-    return {
-        f"{method}: normals are the cofactors of the deformation's own Jacobian": results[f"{method}_normal"]
-        - deformed_normal(results[f"{method}_vertex"], values)
-        for method in METHODS
-    }
+    claims = {}
+    for method in METHODS:
+        vertex, ring = results[f"{method}_vertex"], results[f"{method}_ring_vertex"]
+        claims[f"{method}: normals are the cofactors of the deformation's own Jacobian"] = ca.vertcat(
+            results[f"{method}_normal"] - deformed_normal(vertex, values),
+            results[f"{method}_ring_normal"] - deformed_normal(ring, values | _on_ring(values)),
+        )
+    return claims

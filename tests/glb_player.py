@@ -54,6 +54,8 @@ class Player:
             [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
             [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
         ]
+        scale = self.channels[number, "scale"][frame] if (number, "scale") in self.channels else node.scale
+        local[:3, :3] *= 1.0 if scale is None else scale
         return self.world(self.parents[number], frame) @ local if number in self.parents else local
 
     def skinned(self, name, frame):

@@ -55,10 +55,24 @@ def arm_scene(method):
     return scene
 
 
-# linear: float32 keys of positions up to 1.5 m, rounded at 6e-8 each; dual quaternions: 17 joints, as `skeleton` says
-@pytest.mark.parametrize(("method", "bound"), [("rigid", 1e-6), ("linear_blend", 1e-6), ("dual_quaternion", 3e-4)])
-def test_a_player_shows_what_arm_skin_computes(tmp_path, method, bound):
+# linear: float32 keys of positions up to 1.5 m, rounded at 6e-8 each; the others: 21 joints, as `skeleton` says;
+# a spread twist of 30 degrees bends the chord of a twentieth of it, 0.4 um of a 40 mm radius
+@pytest.mark.parametrize(
+    ("method", "twist_share", "bound"),
+    [
+        ("rigid", 0.0, 1e-6),
+        ("linear_blend", 0.0, 1e-6),
+        ("linear_blend", 1.0, 8e-6),
+        *[
+            (method, share, 3e-4)
+            for method in ("hinge", "dual_quaternion", "center_of_rotation", "compensated")
+            for share in (0.0, 1.0)
+        ],
+    ],
+)
+def test_a_player_shows_what_arm_skin_computes(tmp_path, method, twist_share, bound):
     with arm_scene(method) as scene:
+        scene["arm"].set("twist_share", twist_share)
         write_glb(tmp_path / "arm.glb", scene.run(1.0, 0.01), scene)
     player = Player(tmp_path / "arm.glb")
     assert len(player.time) == 31
@@ -66,6 +80,7 @@ def test_a_player_shows_what_arm_skin_computes(tmp_path, method, bound):
     with Slave("ArmSkin") as skin:
         skin.set("vertex_count", 1024)
         skin.set("method", method)
+        skin.set("twist_share", twist_share)
         skin.initialize()
         for frame in (0, 7, 19, 30):
             time = float(player.time[frame])
@@ -75,6 +90,19 @@ def test_a_player_shows_what_arm_skin_computes(tmp_path, method, bound):
             skin.set("forearm_orientation", flexed(time))
             worst = max(worst, np.abs(z_up(player.skinned("arm", frame)) - skin.get("vertices").T).max())
     assert worst < bound
+
+
+def test_a_player_shows_a_forearm_wound_beyond_half_a_turn(tmp_path):
+    scene = Scene("wound")
+    arm = scene.add("ArmSkin", "arm", vertex_count=1024, method="hinge", twist_share=0.5)
+    scene.signal(arm.forearm_orientation, lambda time: about([1, 0.2, 0], 5.0 * time))
+    with scene:
+        results = scene.run(1.0, 0.01)
+        write_glb(tmp_path / "arm.glb", results, scene)
+        player = Player(tmp_path / "arm.glb")
+        shown = z_up(player.skinned("arm", -1))
+        # 143 degrees in the zone and along the forearm each; helper joints as above
+        assert np.abs(shown - arm.slave.get("vertices").T).max() < 6e-4
 
 
 def test_two_joints_do_not_show_dual_quaternions(tmp_path, monkeypatch):

@@ -8,12 +8,8 @@
 #ifndef ARM_SKIN_MEASURES_H
 #define ARM_SKIN_MEASURES_H
 
+#include "follow.h"
 #include "mesh.h"
-
-#include <complex.h>
-
-/* The number without its infinitesimal part. */
-#define value_of(x) creal(x)
 
 /* Vertex k of a deformed ring is center + cosine[k] first + sine[k] second. */
 typedef struct RingFrame {
@@ -25,29 +21,63 @@ typedef struct DeformedRing {
     Vector point[RING_VERTICES + 1]; /* first vertex repeated */
 } DeformedRing;
 
-/* q and -q turn alike but blend differently: takes the shorter way, at most half a turn. */
-static inline Bend shorter_bend(Bend bend)
+/* What a method needs to know of the pose. */
+typedef struct Skinning {
+    int64_t method;
+    Bend bend;
+    double half_width; /* of the blend zone, m */
+    real widening;
+} Skinning;
+
+/* How much wider the middle of the blend zone is made, so that its volume stays: with a = (1 + v g)^2
+ * the area of a section over that at rest, g its share of the widening and d how far it is drawn in,
+ * a (1 - d dphi/dx) is swept per length, which is to be 1 on average. Beyond half a turn as at it. */
+static inline real section_widening(Bend bend, const ArmMesh *mesh)
 {
-    if (value_of(bend.rotation.w) < 0.0) {
-        bend.rotation = quaternion(-bend.rotation.w, -bend.rotation.x, -bend.rotation.y, -bend.rotation.z);
+    Quaternion q = bend.near;
+    Vector across = cross(vector(q.x, q.y, q.z), vector(1.0, 0.0, 0.0));
+    real draw = dot(across, across);
+    real lost = 0.0, once = 0.0, twice = 0.0;
+    for (size_t i = 0; i < ZONE_NODES; i++) {
+        const ZoneNode *node = &mesh->node[i];
+        real share = widening_at(node->weight);
+        real turn = draw * draw_at(node->weight) / (1.0 - 2.0 * node->weight * (1.0 - node->weight) * (1.0 - q.w));
+        real kept = node->length - node->weight_step * turn;
+        lost += node->area * node->weight_step * turn;
+        once += node->area * share * kept;
+        twice += node->area * share * share * kept;
     }
-    return bend;
+    return lost / (once + sqrt(once * once + twice * lost));
 }
 
-static inline Vector arm_skin_point(int64_t method, Bend bend, real weight, Vector point)
+static inline Skinning arm_skin_skinning(const ArmSkin *skin, const ArmMesh *mesh, Bend bend)
 {
-    if (method == ARM_SKIN_METHOD_DUAL_QUATERNION) {
-        return dual_quaternion_point(bend, weight, point);
-    }
-    return linear_blend_point(bend, weight, point);
+    bool compensated = skin->method == ARM_SKIN_METHOD_COMPENSATED;
+    Skinning skinning = {skin->method, bend, value_of(skin->blend_half_width), 0.0};
+    skinning.widening = compensated ? section_widening(bend, mesh) : 0.0;
+    return skinning;
 }
 
-static inline void deform_ring(int64_t method, Bend bend, const ArmMesh *mesh, size_t index, DeformedRing *deformed)
+/* `center`: of rotation, along the bone. */
+static inline Vector arm_skin_point(const Skinning *skinning, double weight, double center, Vector point)
+{
+    switch (skinning->method) {
+    case ARM_SKIN_METHOD_HINGE: return hinge_point(skinning->bend, weight, point);
+    case ARM_SKIN_METHOD_DUAL_QUATERNION: return dual_quaternion_point(skinning->bend, weight, point);
+    case ARM_SKIN_METHOD_CENTER_OF_ROTATION:
+        return center_of_rotation_point(skinning->bend, weight, vector(center, 0.0, 0.0), point);
+    case ARM_SKIN_METHOD_COMPENSATED:
+        return compensated_point(skinning->bend, weight, skinning->half_width, skinning->widening, point);
+    default: return linear_blend_point(skinning->bend, weight, point);
+    }
+}
+
+static inline void deform_ring(const Skinning *skinning, const ArmMesh *mesh, size_t index, DeformedRing *deformed)
 {
     const ArmRing *ring = &mesh->rings[index];
-    Vector center = arm_skin_point(method, bend, ring->weight, vector(ring->x, 0.0, 0.0));
-    Vector on_first = arm_skin_point(method, bend, ring->weight, vector(ring->x, ring->radius, 0.0));
-    Vector on_second = arm_skin_point(method, bend, ring->weight, vector(ring->x, 0.0, ring->radius));
+    Vector center = arm_skin_point(skinning, ring->weight, ring->center, vector(ring->x, 0.0, 0.0));
+    Vector on_first = arm_skin_point(skinning, ring->weight, ring->center, vector(ring->x, ring->radius, 0.0));
+    Vector on_second = arm_skin_point(skinning, ring->weight, ring->center, vector(ring->x, 0.0, ring->radius));
     RingFrame frame = {center, subtract(on_first, center), subtract(on_second, center)};
     deformed->frame = frame;
     for (size_t k = 0; k <= RING_VERTICES; k++) {
@@ -103,12 +133,13 @@ static inline real largest_growth(const ArmMesh *mesh, size_t first_ring, const 
 {
     const ArmRing *rest = &mesh->rings[first_ring];
     double length = rest[1].x - rest[0].x;
+    double straight = hypot(length, rest[1].radius - rest[0].radius);
     for (size_t k = 0; k < RING_VERTICES; k++) {
         Diagonal split = band_diagonal(k);
         double y = rest[1].radius * mesh->cosine[split.after] - rest[0].radius * mesh->cosine[split.before];
         double z = rest[1].radius * mesh->sine[split.after] - rest[0].radius * mesh->sine[split.before];
         double diagonal = sqrt(length * length + y * y + z * z);
-        real straight_growth = edge_growth(subtract(after->point[k], before->point[k]), length);
+        real straight_growth = edge_growth(subtract(after->point[k], before->point[k]), straight);
         real diagonal_growth = edge_growth(subtract(after->point[split.after], before->point[split.before]), diagonal);
         largest = value_of(straight_growth) > value_of(largest) ? straight_growth : largest;
         largest = value_of(diagonal_growth) > value_of(largest) ? diagonal_growth : largest;
@@ -119,19 +150,20 @@ static inline real largest_growth(const ArmMesh *mesh, size_t first_ring, const 
 static inline void arm_skin_measures(ArmSkin *skin, const void *workspace)
 {
     const ArmMesh *mesh = workspace;
-    Bend bend = shorter_bend(arm_skin_bend(skin));
+    Bend bend = arm_skin_motion(skin).bend;
+    Skinning skinning = arm_skin_skinning(skin, mesh, bend);
     DeformedRing pair[2];
     size_t inverted = 0;
     real gap = -INFINITY;
 
-    deform_ring(skin->method, bend, mesh, mesh->zone_start, &pair[0]);
+    deform_ring(&skinning, mesh, mesh->zone_start, &pair[0]);
     real volume = -ring_cone(mesh, pair[0].frame);
     real smallest = 1.0; /* the rings outside the zone */
     for (size_t i = mesh->zone_start; i < mesh->zone_end; i++) {
         const ArmRing *ring = &mesh->rings[i + 1];
         const DeformedRing *before = &pair[(i - mesh->zone_start) % 2];
         DeformedRing *after = &pair[(i + 1 - mesh->zone_start) % 2];
-        deform_ring(skin->method, bend, mesh, i + 1, after);
+        deform_ring(&skinning, mesh, i + 1, after);
 
         real section = norm(cross(after->frame.first, after->frame.second)) / (ring->radius * ring->radius);
         smallest = value_of(section) < value_of(smallest) ? section : smallest;

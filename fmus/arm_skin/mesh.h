@@ -9,7 +9,7 @@
 
 #include <stddef.h>
 
-enum { RING_VERTICES = 32, UNUSED_TRIANGLES = 4 };
+enum { RING_VERTICES = 32, UNUSED_TRIANGLES = 4, ZONE_NODES = 24 };
 
 typedef struct ArmRing {
     double x;                       /* along the bone, from the elbow, m */
@@ -17,20 +17,41 @@ typedef struct ArmRing {
     double normal_x, normal_radial; /* outward unit normal of the skin */
     double weight;                  /* share of the forearm */
     double weight_slope;            /* its derivative along x, 1/m */
+    double center, center_rate;     /* of rotation, along x, m; its derivative by the weight */
+    double spread;                  /* share of the twist along the forearm that turns it */
 } ArmRing;
 
-/* One number per vertex, all vertices in a row: what the kernels stream through. */
-typedef enum MeshRow {
-    REST_X, /* from the elbow */
-    REST_Y,
-    REST_Z,
-    WEIGHT,
-    WEIGHT_SLOPE,
-    NORMAL_X,
-    NORMAL_Y,
-    NORMAL_Z,
-    MESH_ROWS
-} MeshRow;
+/* A place in the blend zone where integrals over it are taken; the zone has length and area 1. */
+typedef struct ZoneNode {
+    double weight;
+    double length, weight_step; /* what the node stands for, of length and of weight */
+    double area;                /* of the section at rest */
+} ZoneNode;
+
+/* One number per ring, all rings in a row: what the kernels stream through. */
+typedef enum RingRow {
+    RING_X, /* from the elbow */
+    RING_RADIUS,
+    RING_NORMAL_X,
+    RING_NORMAL_RADIAL,
+    RING_WEIGHT,
+    RING_SLOPE,
+    RING_CENTER,
+    RING_CENTER_RATE,
+    RING_SPREAD,
+    RING_ROWS
+} RingRow;
+
+/* One number per vertex of a mesh that is no stack of rings. */
+typedef enum VertexRow {
+    VERTEX_X, /* from the elbow */
+    VERTEX_NORMAL_X = VERTEX_X + 3,
+    VERTEX_WEIGHT = VERTEX_NORMAL_X + 3,
+    VERTEX_GRADIENT_X,
+    VERTEX_CENTER_X = VERTEX_GRADIENT_X + 3,
+    VERTEX_CENTER_RATE_X = VERTEX_CENTER_X + 3,
+    VERTEX_ROWS = VERTEX_CENTER_RATE_X + 3
+} VertexRow;
 
 typedef struct ArmMesh {
     size_t vertex_count, ring_count;
@@ -38,8 +59,11 @@ typedef struct ArmMesh {
     double zone_volume;                 /* between the first and the last of them, m3 */
     double unit_ring_area;              /* of the polygon in a circle of radius 1 */
     double cosine[RING_VERTICES + 1], sine[RING_VERTICES + 1]; /* around a ring, first vertex repeated */
+    ZoneNode node[ZONE_NODES];
     const ArmRing *rings;
-    const float *row[MESH_ROWS];
+    const float *ring_row[RING_ROWS];
+    const float *vertex_row[VERTEX_ROWS];
+    float spoke_y[RING_VERTICES], spoke_z[RING_VERTICES]; /* cosine and sine again */
 } ArmMesh;
 
 /* Between two neighbouring rings lie quadrilaterals k of corners k and k + 1 on each; each is cut

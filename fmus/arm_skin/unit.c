@@ -6,7 +6,6 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <string.h>
 
 /* Whole rings; and outside the round ends both bones are longer than their half of the blend zone. */
 static Status arm_skin_check(const ArmSkin *skin, Log *log)
@@ -34,10 +33,10 @@ static Status arm_skin_check(const ArmSkin *skin, Log *log)
     return STATUS_OK;
 }
 
-/* The skin follows its bones at once. */
+/* The skin follows its bones at once; a step remembers how far they are turned. */
 static Status arm_skin_step(ArmSkin *skin, double step, Log *log)
 {
-    (void)skin;
+    arm_skin_remember(skin);
     (void)step;
     (void)log;
     return STATUS_OK;
@@ -47,10 +46,10 @@ static void arm_skin_stream(const ArmSkin *skin, const void *workspace, size_t v
 {
     const ArmMesh *mesh = workspace;
     switch (variable) {
-    case ARM_SKIN_VERTICES: arm_skin_vertices(skin, mesh, destination); break;
-    case ARM_SKIN_NORMALS: arm_skin_normals(skin, mesh, destination); break;
+    case ARM_SKIN_VERTICES: arm_skin_deform(skin, mesh, SKIN_VERTICES, destination); break;
+    case ARM_SKIN_NORMALS: arm_skin_deform(skin, mesh, SKIN_NORMALS, destination); break;
     case ARM_SKIN_TRIANGLES: fill_triangles(mesh, destination); break;
-    case ARM_SKIN_WEIGHTS: memcpy(destination, mesh->row[WEIGHT], mesh->vertex_count * sizeof(float)); break;
+    case ARM_SKIN_WEIGHTS: fill_weights(mesh, destination); break;
     default: break;
     }
 }

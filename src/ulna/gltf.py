@@ -13,7 +13,7 @@ import pygltflib as gltf
 from .drawing import Part, Shape, parts, series, skin_like, units_of
 from .results import Results
 from .scene import Scene, SceneUnit
-from .skeleton import Skeleton, continuous, skeleton
+from .skeleton import Arm, Skeleton, continuous, skeleton
 
 FRAME_RATE = 30.0
 UPRIGHT = [-(0.5**0.5), 0.0, 0.0, 0.5**0.5]
@@ -54,14 +54,29 @@ def frames(time: np.ndarray) -> np.ndarray:
     return np.unique(np.where(before_is_nearer, after - 1, np.minimum(after, len(time) - 1)))
 
 
-def arm_skeleton(unit: SceneUnit, results: Results, scene: Scene, rows: np.ndarray, weights: np.ndarray) -> Skeleton:
-    """The joints of an ArmSkin unit at some rows of a run."""
+def arm_skeleton(
+    unit: SceneUnit, results: Results, scene: Scene, rows: np.ndarray, at_rest: dict[str, np.ndarray]
+) -> Skeleton:
+    """The joints of an ArmSkin unit at some rows of a run; `at_rest`: its vertices, weights and triangles."""
     poses = [
         tuple(series(results, scene, f"{unit.name}.{bone}_{what}")[rows] for what in ("position", "orientation"))
         for bone in ("upper_arm", "forearm")
     ]
-    elbow = np.array([unit.slave.get("upper_arm_length"), 0.0, 0.0])
-    return skeleton(unit.slave.get("method"), elbow, weights, *poses)
+    values = {
+        name: unit.slave.get(name)
+        for name in ("method", "upper_arm_length", "forearm_length", "radius", "blend_half_width", "twist_share")
+    }
+    arm = Arm(
+        method=values["method"],
+        elbow=np.array([values["upper_arm_length"], 0.0, 0.0]),
+        vertices=at_rest["vertices"].T.astype(float),
+        weights=at_rest["weights"],
+        triangles=at_rest["triangles"],
+        blend_half_width=values["blend_half_width"],
+        twist_share=values["twist_share"],
+        twist_end=values["forearm_length"] - values["radius"],
+    )
+    return skeleton(arm, *poses)
 
 
 class _File:
@@ -86,9 +101,9 @@ class _File:
     def add_skin(self, unit: SceneUnit, results: Results, scene: Scene, rows: np.ndarray) -> None:
         with skin_like(unit) as skin:
             at_rest = {name: skin.get(name) for name in ("vertices", "normals", "weights", "triangles")}
-        bones = arm_skeleton(unit, results, scene, rows, at_rest["weights"])
         # the last rows of `triangles` have no area
-        triangles = at_rest["triangles"].reshape(-1, 3)[:-4]
+        triangles = at_rest["triangles"] = at_rest["triangles"].reshape(-1, 3)[:-4]
+        bones = arm_skeleton(unit, results, scene, rows, at_rest)
         joints = np.zeros((len(bones.joints), 4), np.uint8)
         weights = np.zeros((len(bones.joints), 4), np.float32)
         joints[:, :2] = np.where(bones.weights > 0.0, bones.joints, 0)
@@ -101,7 +116,7 @@ class _File:
         )
         mesh = self._add_primitive(unit.name, attributes, triangles, self._add_material("skin", SKIN_COLOR, 0.55))
         nodes = [
-            self._add_node(f"{unit.name} joint {j}", bones.positions[j], bones.orientations[j])
+            self._add_node(f"{unit.name} joint {j}", bones.positions[j], bones.orientations[j], bones.widths[j])
             for j in range(len(bones.origins))
         ]
         inverse = np.tile(np.eye(4, dtype=np.float32), (len(nodes), 1, 1))
@@ -122,17 +137,22 @@ class _File:
         document.set_binary_blob(bytes(self.data))
         return b"".join(document.save_to_bytes())
 
-    def _add_node(self, name: str, position: np.ndarray, orientation: np.ndarray) -> int:
-        """A node below the world; what does not move is not animated."""
+    def _add_node(
+        self, name: str, position: np.ndarray, orientation: np.ndarray, width: np.ndarray | None = None
+    ) -> int:
+        """A node below the world, its y and z stretched by `width`; what does not move is not animated."""
         document = self.document
         number = len(document.nodes)
         turns = np.float32(np.roll(orientation, -1, axis=1))
         turns /= np.linalg.norm(turns, axis=1, keepdims=True)
         moves = np.float32(position)
-        node = gltf.Node(name=name, translation=moves[0].tolist(), rotation=turns[0].tolist())
+        widths = np.ones(1) if width is None else width
+        scales = np.stack([np.ones_like(widths), widths, widths], axis=1).astype(np.float32)
+        scale = scales[0].tolist() if np.any(scales != 1.0) else None
+        node = gltf.Node(name=name, translation=moves[0].tolist(), rotation=turns[0].tolist(), scale=scale)
         document.nodes.append(node)
         document.nodes[0].children.append(number)
-        for target, values in (("translation", moves), ("rotation", turns)):
+        for target, values in (("translation", moves), ("rotation", turns), ("scale", scales)):
             if np.any(values != values[0]):
                 self._animate(number, target, values)
         return number

@@ -117,7 +117,9 @@ WRONG = {
     "normals turned with the blend alone": (
         "arm_skin",
         "linear_blend_normal",
-        lambda results, values: model("arm_skin").equations(values | {"weight_slope": SX(0)})["linear_blend_normal"],
+        lambda results, values: model("arm_skin").equations(values | {"weight_gradient": SX(3, 1)})[
+            "linear_blend_normal"
+        ],
         "linear_blend: normals are the cofactors of the deformation's own Jacobian",
     ),
     "the notes' x = v / t": (

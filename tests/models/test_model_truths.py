@@ -140,7 +140,7 @@ def test_normals_are_those_of_differences_of_the_deformed_skin():
         ahead, behind = place + step * np.array(side), place - step * np.array(side)
         sides.append((carried(ahead) - carried(behind)) / (2 * step))
     expected = np.cross(*sides)
-    vertex = {"point": place, "weight": 0.5 + 4 * place[0], "weight_slope": 4, "rest_normal": [0, 0.6, 0.8]}
+    vertex = {"point": place, "weight": 0.5 + 4 * place[0], "weight_gradient": [4, 0, 0], "rest_normal": [0, 0.6, 0.8]}
     normal = number(SKIN.equations(bent(1.2, [0, -1, 0], **vertex))["dual_quaternion_normal"])
     assert abs(normal @ expected) / np.linalg.norm(expected) == pytest.approx(1, abs=1e-9)
     assert np.linalg.norm(np.cross(normal, expected)) < 1e-8 * np.linalg.norm(expected)

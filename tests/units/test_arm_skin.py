@@ -33,16 +33,17 @@ from scipy.spatial.transform import Rotation
 
 from ulna import Slave, UnitError
 
-METHODS = ("rigid", "linear_blend", "dual_quaternion")
+METHODS = ("rigid", "linear_blend", "hinge", "dual_quaternion", "center_of_rotation", "compensated")
 FLOAT32_BOUND = 1e-7
 ROUND_OFF = 1e-12
 
 
 @contextmanager
 def arm(method: str, version: str = "3.0", **parameters: float) -> Iterator[Slave]:
-    """An initialised ArmSkin in its rest pose."""
+    """An initialised ArmSkin in its rest pose, its twist in the blend zone."""
     with Slave("ArmSkin", version=version) as skin:
         skin.set("method", method)
+        skin.set("twist_share", 0.0)
         for name, value in parameters.items():
             skin.set(name, value)
         skin.initialize(start=0.0)

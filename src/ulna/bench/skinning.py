@@ -24,6 +24,11 @@ class Pose:
     fore: Array
     elbow: Array
 
+    @property
+    def nearer_fore(self) -> Array:
+        """The forearm's quaternion, of the sign nearer to the upper arm's."""
+        return self.fore if self.upper @ self.fore >= 0 else -self.fore
+
 
 def about(axis: list[float], degrees: float) -> Array:
     """Quaternion of the turn about an axis of any length."""
@@ -75,7 +80,8 @@ def rest_mesh(vertex_count: int) -> tuple[Array, Array]:
 def skinned(method: str, points: NDArray, pose: Pose) -> NDArray:
     """Deformed points [n, 3] m of rest points [n, 3] m from the elbow; raises KeyError for an unknown method.
 
-    Linear blend: Magnenat-Thalmann et al. (1988). Dual quaternions: Kavan et al. (2008), algorithm 1.
+    Linear blend: Magnenat-Thalmann et al. (1988). Dual quaternions: Kavan et al. (2008), algorithm 1. Centres of
+    rotation: Le and Hodgins (2016).
     """
     return METHODS[method](points, pose)
 
@@ -103,10 +109,23 @@ def linear_blend(points: NDArray, pose: Pose) -> NDArray:
     return mean_image(points, pose, smoothstep(points))
 
 
+def mean_turn(points: NDArray, pose: Pose) -> tuple[NDArray, NDArray]:
+    """Weight [n, 1], and the mean [n, 4] of the bones' quaternions, of unit length."""
+    weight = smoothstep(points)
+    real = (1 - weight) * pose.upper + weight * pose.nearer_fore
+    return weight, real / np.sqrt(np.sum(real * real, axis=1, keepdims=True))
+
+
+def hinge(points: NDArray, pose: Pose) -> NDArray:
+    """Turned about the elbow, which is carried to the mean of its images."""
+    weight, turn = mean_turn(points, pose)
+    return turned(turn, points) + mean_image(0 * points, pose, weight)
+
+
 def dual_quaternion(points: NDArray, pose: Pose) -> NDArray:
     """The image by the normalised mean of the two motions, each q + eps t q / 2 with the world's translation t."""
     weight = smoothstep(points)
-    p, q = pose.upper, pose.fore if pose.upper @ pose.fore >= 0 else -pose.fore
+    p, q = pose.upper, pose.nearer_fore
     moves = pose.shoulder, pose.elbow - turned(pose.fore, ELBOW)
     duals = [product(np.append(0.0, move), r) / 2 for move, r in zip(moves, (p, q), strict=True)]
     real, dual = (1 - weight) * p + weight * q, (1 - weight) * duals[0] + weight * duals[1]
@@ -115,7 +134,55 @@ def dual_quaternion(points: NDArray, pose: Pose) -> NDArray:
     return turned(real / np.sqrt(square), points + ELBOW) + 2 * product(dual, conjugate)[:, 1:] / square
 
 
-METHODS = {"rigid": rigid, "linear_blend": linear_blend, "dual_quaternion": dual_quaternion}
+def rotation_center(points: NDArray, weight: NDArray) -> NDArray:
+    """Optimised centres [n, 3] on the bone: Le and Hodgins (2016), equation 1, over the bands of the points' rings."""
+    x = points[::SPOKES, :1].real
+    x = x[np.abs(x) < HALF_WIDTH * (1 + ON_THE_ELBOW)][:, None]
+    w = smoothstep(x)
+    other, place, length = (w[1:] + w[:-1]).T / 2, (x[1:] + x[:-1]) / 2, np.diff(x, axis=0).T
+    center = np.zeros_like(points)
+    for rows in np.array_split(np.arange(len(points)), 1 + len(points) // 1000):
+        likeness = length * other * (1 - other) * np.exp(-(((weight[rows] - other) / 0.1) ** 2))
+        center[rows, :1] = likeness @ place / likeness.sum(axis=1, keepdims=True)
+    return center
+
+
+def center_of_rotation(points: NDArray, pose: Pose) -> NDArray:
+    """Turned about a centre that is carried to the mean of its images: Le and Hodgins (2016), algorithm 1."""
+    weight, turn = mean_turn(points, pose)
+    center = rotation_center(points, weight)
+    return turned(turn, points - center) + mean_image(center, pose, weight)
+
+
+def compensated(points: NDArray, pose: Pose) -> NDArray:
+    """As `hinge`, after sections are drawn in and made wider, so that the zone's swept volume stays."""
+    weight, turn = mean_turn(points, pose)
+    relative = product(pose.upper * [1, -1, -1, -1], pose.nearer_fore)
+    inward = np.cross(relative[1:], [1.0, 0.0, 0.0])
+    nodes, mass = np.polynomial.legendre.leggauss(100)
+    s, mass = (nodes + 1) / 2, mass / 2
+    w = 3 * s**2 - 2 * s**3
+    lost = draw(w) * 6 * s * (1 - s) * (inward @ inward) / (1 - 2 * w * (1 - w) * (1 - relative[0]))
+    share = 4 * w * (1 - w)
+    square, linear = mass @ (share**2 * (1 - lost)), mass @ (share * (1 - lost))
+    widening = (np.sqrt(linear**2 + square * (mass @ lost)) - linear) / square
+    wider = (1 + 4 * widening * weight * (1 - weight)) * np.array([0.0, 1.0, 1.0]) + [1.0, 0.0, 0.0]
+    return turned(turn, wider * points + HALF_WIDTH * draw(weight) * inward) + mean_image(0 * points, pose, weight)
+
+
+def draw(weight: NDArray) -> NDArray:
+    """How far sections are drawn in, in half widths of the zone."""
+    return 0.32 * weight * (1 - weight) * (1 + 3 * (1 - 2 * weight) ** 2)
+
+
+METHODS = {
+    "rigid": rigid,
+    "linear_blend": linear_blend,
+    "hinge": hinge,
+    "dual_quaternion": dual_quaternion,
+    "center_of_rotation": center_of_rotation,
+    "compensated": compensated,
+}
 
 
 def normals(method: str, points: Array, tangents: Array, pose: Pose) -> Array:

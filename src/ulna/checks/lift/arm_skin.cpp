@@ -1,18 +1,19 @@
 // The motion of the bones against each other, and of one vertex of the skin by the methods that blend: the points
-// of the measures in `real`, and the kernels of deform.c, whose float32 stands for real numbers here.
+// of the measures in `real`, and the kernels of vertices.h and rings.h, whose float32 stands for real numbers here.
+// A ring of radius 1 m on spokes of any length reaches every point.
 #define float Real
 #define restrict
 #define sqrtf sqrt
 #include "mesh.h"
-
-// The measures take the shorter of the two ways, q or -q; what follows holds for both.
-static Bend shorter_bend(Bend bend)
-{
-    return bend;
-}
-
-#include "deform.c"
+#include "vertices.h"
+#include "rings.h"
 #undef float
+
+// The twist along the forearm is left out of what follows.
+static Twist twist_at(const SkinMotion *, Real)
+{
+    return {};
+}
 
 static Bend bend_of(Lift &lift)
 {
@@ -20,49 +21,84 @@ static Bend bend_of(Lift &lift)
     return arm_skin_bend(&skin);
 }
 
-typedef void Kernel(const ArmSkin *skin, const ArmMesh *mesh, Real *out);
-
-static Vector vertex_of(Lift &lift, Kernel *kernel, int64_t method)
+static Vector point_of(Lift &lift, int method)
 {
     ArmSkin skin = fields(lift);
-    skin.method = method;
-    Vector point = lift.symbols<Vector>("point");
-    Vector normal = lift.symbols<Vector>("rest_normal");
+    Bend bend = arm_skin_bend(&skin);
     Real weight = lift.symbols<Real>("weight");
-    Real slope = lift.symbols<Real>("weight_slope");
+    Vector point = lift.symbols<Vector>("point");
+    switch (method) {
+    case ARM_SKIN_METHOD_HINGE: return hinge_point(bend, weight, point);
+    case ARM_SKIN_METHOD_DUAL_QUATERNION: return dual_quaternion_point(bend, weight, point);
+    case ARM_SKIN_METHOD_CENTER_OF_ROTATION:
+        return center_of_rotation_point(bend, weight, lift.symbols<Vector>("center"), point);
+    case ARM_SKIN_METHOD_COMPENSATED:
+        return compensated_point(bend, weight, skin.blend_half_width, lift.symbols<Real>("widening"), point);
+    default: return linear_blend_point(bend, weight, point);
+    }
+}
+
+static SkinMotion motion_of(Lift &lift)
+{
+    ArmSkin skin = fields(lift);
+    return skin_motion_of(&skin, arm_skin_bend(&skin), lift.symbols<Real>("widening"), 0.0);
+}
+
+static Vector vertex_of(Lift &lift, int method, bool normals)
+{
+    SkinMotion motion = motion_of(lift);
+    Vector point = lift.symbols<Vector>("point"), normal = lift.symbols<Vector>("rest_normal");
+    Vector gradient = lift.symbols<Vector>("weight_gradient");
+    Vector center = lift.symbols<Vector>("center"), center_rate = lift.symbols<Vector>("center_rate");
+    Real weight = lift.symbols<Real>("weight");
+    const Real *rows[VERTEX_ROWS] = {
+        &point.x,    &point.y,    &point.z,  &normal.x, &normal.y, &normal.z,      &weight,        &gradient.x,
+        &gradient.y, &gradient.z, &center.x, &center.y, &center.z, &center_rate.x, &center_rate.y, &center_rate.z};
     ArmMesh mesh = {};
     mesh.vertex_count = 1;
-    const Real *rows[MESH_ROWS] = {&point.x, &point.y, &point.z, &weight, &slope, &normal.x, &normal.y, &normal.z};
-    std::copy(rows, rows + MESH_ROWS, mesh.row);
+    std::copy(rows, rows + VERTEX_ROWS, mesh.vertex_row);
     Vector vertex;
-    kernel(&skin, &mesh, &vertex.x);
+    (normals ? each_normal : each_vertex)(method, &motion, false, false, &mesh, &vertex.x);
     return vertex;
+}
+
+static Vector ring_of(Lift &lift, int method, bool normals)
+{
+    SkinMotion motion = motion_of(lift);
+    Vector point = lift.symbols<Vector>("point"), normal = lift.symbols<Vector>("rest_normal");
+    Vector gradient = lift.symbols<Vector>("weight_gradient");
+    Vector center = lift.symbols<Vector>("center"), center_rate = lift.symbols<Vector>("center_rate");
+    Real weight = lift.symbols<Real>("weight"), one = 1.0, none = 0.0;
+    const Real *rows[RING_ROWS] = {&point.x,    &one,      &normal.x,      &normal.y, &weight,
+                                   &gradient.x, &center.x, &center_rate.x, &none};
+    ArmMesh mesh = {};
+    mesh.vertex_count = RING_VERTICES;
+    mesh.ring_count = 1;
+    std::copy(rows, rows + RING_ROWS, mesh.ring_row);
+    mesh.spoke_y[0] = point.y;
+    mesh.spoke_z[0] = point.z;
+    std::vector<Real> out(3 * RING_VERTICES);
+    (normals ? ring_normals : ring_vertices)(method, &motion, false, false, &mesh, out.data());
+    Vector vertex = {out[0], out[RING_VERTICES], out[2 * RING_VERTICES]};
+    return vertex;
+}
+
+static void lift_method(const std::string &name, int method)
+{
+    lift_function(name + "_point", [=](Lift &lift) { return point_of(lift, method); });
+    lift_function(name + "_vertex", [=](Lift &lift) { return vertex_of(lift, method, false); });
+    lift_function(name + "_normal", [=](Lift &lift) { return vertex_of(lift, method, true); });
+    lift_function(name + "_ring_vertex", [=](Lift &lift) { return ring_of(lift, method, false); });
+    lift_function(name + "_ring_normal", [=](Lift &lift) { return ring_of(lift, method, true); });
 }
 
 static void lift_functions()
 {
     lift_function("bend_rotation", [](Lift &lift) { return bend_of(lift).rotation; });
     lift_function("bend_gap", [](Lift &lift) { return bend_of(lift).gap; });
-    lift_function("linear_blend_point", [](Lift &lift) {
-        Bend bend = bend_of(lift);
-        Real weight = lift.symbols<Real>("weight");
-        return linear_blend_point(bend, weight, lift.symbols<Vector>("point"));
-    });
-    lift_function("dual_quaternion_point", [](Lift &lift) {
-        Bend bend = bend_of(lift);
-        Real weight = lift.symbols<Real>("weight");
-        return dual_quaternion_point(bend, weight, lift.symbols<Vector>("point"));
-    });
-    lift_function("linear_blend_vertex", [](Lift &lift) {
-        return vertex_of(lift, arm_skin_vertices, ARM_SKIN_METHOD_LINEAR_BLEND);
-    });
-    lift_function("dual_quaternion_vertex", [](Lift &lift) {
-        return vertex_of(lift, arm_skin_vertices, ARM_SKIN_METHOD_DUAL_QUATERNION);
-    });
-    lift_function("linear_blend_normal", [](Lift &lift) {
-        return vertex_of(lift, arm_skin_normals, ARM_SKIN_METHOD_LINEAR_BLEND);
-    });
-    lift_function("dual_quaternion_normal", [](Lift &lift) {
-        return vertex_of(lift, arm_skin_normals, ARM_SKIN_METHOD_DUAL_QUATERNION);
-    });
+    lift_method("linear_blend", ARM_SKIN_METHOD_LINEAR_BLEND);
+    lift_method("hinge", ARM_SKIN_METHOD_HINGE);
+    lift_method("dual_quaternion", ARM_SKIN_METHOD_DUAL_QUATERNION);
+    lift_method("center_of_rotation", ARM_SKIN_METHOD_CENTER_OF_ROTATION);
+    lift_method("compensated", ARM_SKIN_METHOD_COMPENSATED);
 }
