@@ -13,7 +13,7 @@ UNTIL = 8.0
 STEP = 0.005
 MASTER = "gauss_seidel"
 
-METHODS = ("rigid", "linear_blend", "dual_quaternion")
+METHODS = ("rigid", "linear_blend", "dual_quaternion", "center_of_rotation", "compensated")
 BEND = radians(150.0)
 TWIST = radians(170.0)
 
@@ -26,10 +26,10 @@ def elbow(time: float) -> np.ndarray:
 
 
 def scene() -> Scene:
-    """A skin for each method."""
+    """A skin for each method; all of the twist is left to the elbow, which is where skins fail."""
     skins = Scene("skins")
     for method in METHODS:
-        skin = skins.add("ArmSkin", method, method=method)
+        skin = skins.add("ArmSkin", method, method=method, twist_share=0.0)
         skins.signal(skin.forearm_orientation, elbow)
         skins.record(skin.blend_volume_ratio, skin.minimum_section_ratio, skin.elbow_gap, skin.fold_fraction)
     return skins
