@@ -31,10 +31,10 @@ SHORTEST = 1e-9
 class Controlled:
     """A master's step as a step from row to row, in as many pieces as the tolerance asks for."""
 
-    def __init__(self, coupling: Coupling, advance: Step, watch: Watch, tolerance: float):
-        """Raises ValueError if a unit cannot save its state."""
+    def __init__(self, coupling: Coupling, advance: Step, watch: Watch, tolerance: float, order: int):
+        """`order` is that of the master. Raises ValueError if a unit cannot save its state."""
         self._coupling, self._advance, self._watch = coupling, advance, watch
-        self._tolerance, self._order = tolerance, 2 if coupling.lines else 1
+        self._tolerance, self._order = tolerance, order
         self._saves, self._restores = coupling.rollbacks(coupling.units)
         self._length, self._error = 0.0, 1.0
         self._failure: Exception | None = None
@@ -59,7 +59,10 @@ class Controlled:
                 self._keep(after)
                 figures["macro_steps"] += 1
                 figures["shortest_step"] = min(figures["shortest_step"], length)
-                self._length, now, rejected = length * self._change(error), after, np.inf
+                # a step that was cut to meet a row stands for the longer one, with the error of that
+                longer = max(self._length / length, 1.0)
+                self._length = length * longer * self._change(error * longer**self._order)
+                now, rejected = after, np.inf
                 continue
             figures["repeated_steps"] += 1
             self._restore(kept)

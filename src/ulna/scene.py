@@ -268,5 +268,5 @@ class Scene:
         advance = MASTERS[master].prepare(coupling, extrapolation)
         watch = Watch(coupling)
         if tolerance is not None:
-            advance = Controlled(coupling, advance, watch, tolerance)
+            advance = Controlled(coupling, advance, watch, tolerance, MASTERS[master].orders[extrapolation])
         return march(coupling, advance, watch, grid, recorded, summary, progress)

@@ -4,7 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
-from jointed import joined
+from jointed import angle_off, joined, truth
 
 from ulna import Scene
 from ulna.charts.arms import HINGE, planar_arm
@@ -140,14 +140,19 @@ def test_tolerance_rules_the_macro_step(master):
 
 
 def test_tolerance_rules_the_step_of_a_rigid_joint():
+    """Its error goes with the square of the jump between the lines of two steps: order 4."""
     arm = planar_arm()
-    steps = []
-    for tolerance in (1e-1, 1e-3):
+    errors, steps = [], []
+    for tolerance in (1e-4, 1e-8):
         with joined(arm) as scene:
-            results = scene.run(1.0, 0.05, tolerance=tolerance)
+            results = scene.run(arm.end, 0.05, tolerance=tolerance)
+        errors.append(angle_off(results, truth(planar_arm)))
         steps.append(results.summary["macro_steps"])
         assert results.summary["largest_gap"] <= 1e-12
-    assert steps[1] > 2 * steps[0]
+    # a tenth of the step for a ten-thousandth of the error, but that the first run is held by its rows
+    assert steps[1] > 4 * steps[0]
+    assert errors[1] < 1e-2 * errors[0]
+    assert errors[1] < 1e-5
 
 
 def test_repeating_steps_leaves_no_trace():

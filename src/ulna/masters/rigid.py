@@ -182,7 +182,7 @@ class Joined:
         return np.concatenate([wrenches[:, :, :3], torques, wrenches[:, :, 6:]], axis=2).reshape(2, -1)
 
     def _remember(self, start: Start, unknowns: np.ndarray, noise: float) -> None:
-        """Keeps the wrenches, and takes their jump from the step before, as far as it is no noise, for the error."""
+        """Keeps the wrenches; their jump from the step before, as far as it is no noise, tells the error."""
         across, unknowns = start.triad[:, :, :2], unknowns.reshape(2, -1, UNKNOWNS)
         last = self.memory[0, 1].copy()
         self.memory[1:] = self.memory[:-1]
@@ -193,7 +193,9 @@ class Joined:
         self.times[0] = self._coupling.time.value
         if self.count[0]:
             jump = np.abs(self.memory[0, 0] - last).max()
-            self._coupling.own_error = float(max(jump - noise, 0.0) / (1.0 + np.abs(self.memory[:, 1]).max()))
+            size = 1.0 + np.abs(self.memory[:, 1]).max()
+            # the lines miss their wrenches by some H^2, and with that the motion by the square of it
+            self._coupling.own_error = float(max(jump - noise, 0.0) / size) ** 2
         self.count[0] = min(self.count[0] + 1, REMEMBERED)
 
     def _write(self, start: Start, unknowns: np.ndarray) -> None:
