@@ -19,8 +19,8 @@ static void add_late(const UltrasonicSensor *sensor, double emission, Echoes *ec
 {
     for (int i = 0; i < sensor->late_count; i++) {
         if (sensor->late_time[i] > emission) {
-            add_echo(echoes, (Echo){sensor->late_time[i] - emission, sensor->late_level[i],
-                                    sensor->late_phase[i]});
+            double time = sensor->late_time[i] - emission;
+            add_echo(echoes, (Echo){time, sensor->late_level[i], sensor->late_phase[i], 0.0, 0.0});
         }
     }
 }

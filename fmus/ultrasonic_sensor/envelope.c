@@ -5,7 +5,9 @@
  *
  *     z(t) = C - (P + Q t) exp(-t)        C, P, Q complex
  *
- * and each beginning or end adds its amplitude to C, P and Q.
+ * and each beginning or end adds its amplitude a to C and P, and a (1 + i d) to Q. Off its axis the beam
+ * is stronger for the lower side of the burst's spectrum: to first order that adds -i d times the slope
+ * of the envelope, d = dispersion of the beam / (carrier's angle in a ring time).
  */
 typedef struct Detection {
     double crossing; /* from the emission until the threshold is passed, INFINITY for never */
@@ -15,6 +17,7 @@ typedef struct Detection {
 typedef struct Onset {
     double time; /* in ring times */
     Phasor amplitude;
+    double dispersion;
 } Onset;
 
 typedef struct Sum {
@@ -43,15 +46,71 @@ static double excess_of(double eta)
     return mu;
 }
 
-/* How long after its arrival an echo that is `margin` nepers above the threshold passes it: before the
- * burst has ended (1 + t) exp(-t) = 1 - peak exp(-margin), later v exp(1 - v) = exp(-margin) with
- * v = t - peak_time + 1. */
-static double rise_time(const UltrasonicSensor *sensor, double margin)
+static double dispersion_of(const UltrasonicSensor *sensor, Echo echo)
 {
-    bool early = margin > sensor->burst_margin;
-    double later = early ? -log1p(-sensor->peak * exp(-margin)) : margin;
-    double rise = early ? excess_of(sqrt(2.0 * later)) : sensor->peak_time + excess_of(-sqrt(2.0 * later));
-    return rise * sensor->ring_time;
+    double beam = piston_dispersion(echo.there) + piston_dispersion(echo.back);
+    return -beam / (2.0 * PI * sensor->frequency * sensor->ring_time);
+}
+
+/* The envelope of one burst after `since` ring times, with its first two derivatives. */
+typedef struct Envelope {
+    double value, slope, bend;
+} Envelope;
+
+static Envelope envelope_at(const UltrasonicSensor *sensor, double since)
+{
+    double decay = exp(-since);
+    Envelope burst = {1.0 - (1.0 + since) * decay, since * decay, (1.0 - since) * decay};
+    double ended = since - sensor->burst_length;
+    if (ended > 0.0) {
+        decay = exp(-ended);
+        burst.value -= 1.0 - (1.0 + ended) * decay;
+        burst.slope -= ended * decay;
+        burst.bend -= (1.0 - ended) * decay;
+    }
+    return burst;
+}
+
+/* Without dispersion, where the envelope is `height`, `margin` nepers below its peak: before the burst has
+ * ended (1 + t) exp(-t) = 1 - height, later v exp(1 - v) = height / peak with v = t - peak_time + 1. */
+static double plain_rise(const UltrasonicSensor *sensor, double height, double margin, Envelope *there)
+{
+    if (margin > sensor->burst_margin) {
+        double since = excess_of(sqrt(-2.0 * log1p(-height)));
+        double decay = (1.0 - height) / (1.0 + since);
+        *there = (Envelope){height, since * decay, (1.0 - since) * decay};
+        return since;
+    }
+    double before = excess_of(-sqrt(2.0 * margin)), share = height / (1.0 + before);
+    *there = (Envelope){height, -before * share, (before - 1.0) * share};
+    return sensor->peak_time + before;
+}
+
+#define SLIGHT_DISPERSION 1e-4 /* d^2 over the height: below, it moves the crossing by less than 3 ns */
+
+/* How long after its arrival an echo that is `margin` nepers above the threshold passes it. With
+ * dispersion: Newton's method on value^2 + d^2 slope^2, from where the onset t^2 / 2 would pass. */
+static double rise_time(const UltrasonicSensor *sensor, double margin, Echo echo)
+{
+    double d = dispersion_of(sensor, echo), height = sensor->peak * exp(-margin), start = height;
+    bool dispersed = d * d > SLIGHT_DISPERSION * height;
+    if (dispersed && margin > sensor->burst_margin) {
+        start = height * height / (sqrt(d * d * d * d + height * height) + d * d);
+    }
+    Envelope burst;
+    double since = plain_rise(sensor, start, margin, &burst);
+    for (int i = 0; i < 8 && dispersed; i++) {
+        double excess = burst.value * burst.value + d * d * burst.slope * burst.slope - height * height;
+        double slope = 2.0 * burst.slope * (burst.value + d * d * burst.bend);
+        double change = slope > 0.0 ? excess / slope : 0.0;
+        since = lesser(since - change, sensor->peak_time);
+        /* the error is now about the square of the change */
+        if (fabs(change) <= 1e-5 * since) {
+            break;
+        }
+        burst = envelope_at(sensor, since);
+    }
+    return sensor->ring_time * since;
 }
 
 static Phasor value_after(const Sum *sum, double later)
@@ -128,21 +187,15 @@ static Phasor phasor_of(const UltrasonicSensor *sensor, Echo echo)
     return (Phasor){amplitude * turn.re, amplitude * turn.im};
 }
 
-static double envelope_at(const UltrasonicSensor *sensor, double since)
-{
-    double begun = since / sensor->ring_time, ended = begun - sensor->burst_length;
-    double rise = begun > 0.0 ? 1.0 - (1.0 + begun) * exp(-begun) : 0.0;
-    return rise - (ended > 0.0 ? 1.0 - (1.0 + ended) * exp(-ended) : 0.0);
-}
-
 /* The echo that weighs most at a time. */
 static Echo heaviest(const UltrasonicSensor *sensor, const Echo *echoes, int echo_count, double time)
 {
     Echo best = silence;
     double most = -INFINITY;
     for (int i = 0; i < echo_count; i++) {
-        double envelope = envelope_at(sensor, time - echoes[i].time);
-        double weight = envelope > 0.0 ? echoes[i].level + DECIBEL_PER_NEPER * log(envelope) : -INFINITY;
+        double since = (time - echoes[i].time) / sensor->ring_time;
+        double height = since > 0.0 ? envelope_at(sensor, since).value : 0.0;
+        double weight = height > 0.0 ? echoes[i].level + DECIBEL_PER_NEPER * log(height) : -INFINITY;
         if (weight > most) {
             most = weight;
             best = echoes[i];
@@ -160,15 +213,17 @@ static Detection detect_sum(const UltrasonicSensor *sensor, const Echo *echoes, 
     for (int i = 0; i < echo_count; i++) {
         Phasor amplitude = phasor_of(sensor, echoes[i]);
         double arrival = echoes[i].time / unit_time;
-        count = by_time(onsets, count, (Onset){arrival, amplitude});
-        count = by_time(onsets, count, (Onset){arrival + sensor->burst_length, {-amplitude.re, -amplitude.im}});
+        double dispersion = dispersion_of(sensor, echoes[i]), end = arrival + sensor->burst_length;
+        count = by_time(onsets, count, (Onset){arrival, amplitude, dispersion});
+        count = by_time(onsets, count, (Onset){end, {-amplitude.re, -amplitude.im}, dispersion});
     }
     Sum sum = {.time = onsets[0].time};
     double crossing = INFINITY;
     for (int i = 0; i < count && !isfinite(crossing); i++) {
         sum.constant = phasor_sum(sum.constant, 1.0, onsets[i].amplitude);
         sum.value = phasor_sum(sum.value, 1.0, onsets[i].amplitude);
-        sum.slope = phasor_sum(sum.slope, 1.0, onsets[i].amplitude);
+        Phasor slope = phasor_product((Phasor){1.0, onsets[i].dispersion}, onsets[i].amplitude);
+        sum.slope = phasor_sum(sum.slope, 1.0, slope);
         /* the loudest of the last echo comes within one more peak time */
         double until = i + 1 < count ? onsets[i + 1].time : sum.time + sensor->peak_time;
         crossing = unit_time * cross_before(&sum, until, threshold);
@@ -187,7 +242,7 @@ static Detection detect(const UltrasonicSensor *sensor, const Echo *echoes, int 
         first = echoes[i].time < first.time ? echoes[i] : first;
     }
     if (first.level >= sensor->threshold) {
-        double crossing = first.time + rise_time(sensor, (first.level - sensor->threshold) / DECIBEL_PER_NEPER);
+        double crossing = first.time + rise_time(sensor, (first.level - sensor->threshold) / DECIBEL_PER_NEPER, first);
         if (crossing <= second) {
             return (Detection){crossing, first};
         }

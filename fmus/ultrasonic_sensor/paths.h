@@ -186,16 +186,33 @@ static inline real piston_directivity(real half_argument_squared)
     return even - 0.5 * h * odd;
 }
 
+/* (x / 2)^2 of the piston for a way along `direction`. */
+static inline real beam_argument(Vector direction, Vector axis, real wave_number)
+{
+    real half = 0.5 * wave_number * PISTON_RADIUS;
+    real ahead = dot(direction, axis);
+    return half * half * (1.0 - ahead * ahead);
+}
+
+/* By how many parts the beam falls where the frequency rises by one: x J2(x) / J1(x), by its continued
+ * fraction; seven parts leave less than 1e-5 up to the first zero of the beam. */
+static inline real piston_dispersion(real half_argument_squared)
+{
+    real square = 4.0 * half_argument_squared;
+    real rest = 16.0;
+    for (int k = 7; k > 1; k--) {
+        rest = 2.0 * k - square / rest;
+    }
+    return square / rest;
+}
+
 /* Decibels relative to a plane that faces the sensor at 1 m in air without loss; `reflection` is the
  * share of the amplitude that the target gives back. */
 static inline real path_level(const Transceiver *pair, Path path, Curvature mirror, real reflection, real wave_number,
                               real absorption)
 {
-    real leaving = dot(path.incident, pair->axis);
-    real coming = dot(path.reflected, pair->receiver_axis);
-    real half = 0.5 * wave_number * PISTON_RADIUS;
-    real there = piston_directivity(half * half * (1.0 - leaving * leaving));
-    real back = piston_directivity(half * half * (1.0 - coming * coming));
+    real there = piston_directivity(beam_argument(path.incident, pair->axis, wave_number));
+    real back = piston_directivity(beam_argument(path.reflected, pair->receiver_axis, wave_number));
     real beam = there * back * reflection;
     real power = beam * beam * spreading_power(path, mirror);
     return 0.5 * DECIBEL_PER_NEPER * log(power) - absorption * (path.first + path.second);

@@ -130,5 +130,5 @@ static Echo echo_of_ray(const UltrasonicSensor *sensor, double distance)
         return silence;
     }
     double time = time_of_distance(distance, sensor->speed_of_sound, sensor->baseline);
-    return (Echo){time, facing_level(sensor->speed_of_sound * time, sensor->absorption), 0.0};
+    return (Echo){.time = time, .level = facing_level(sensor->speed_of_sound * time, sensor->absorption)};
 }

@@ -20,7 +20,9 @@ static Echo echo_of_path(const UltrasonicSensor *sensor, const Transceiver *pair
         return silence;
     }
     double level = path_level(pair, *path, mirror, reflection, sensor->wave_number, sensor->absorption);
-    return (Echo){path->time, level, 0.0};
+    double there = beam_argument(path->incident, pair->axis, sensor->wave_number);
+    double back = beam_argument(path->reflected, pair->receiver_axis, sensor->wave_number);
+    return (Echo){path->time, level, 0.0, there, back};
 }
 
 /* The echo with its phasor times `factor`. */

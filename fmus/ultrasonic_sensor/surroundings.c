@@ -7,9 +7,10 @@ typedef struct Echo {
     double time;  /* from the emission to its arrival, INFINITY for none */
     double level; /* at its loudest */
     double phase; /* of the carrier at the arrival */
+    double there, back; /* (x / 2)^2 of the beam on both ways */
 } Echo;
 
-static const Echo silence = {INFINITY, NO_ECHO_LEVEL, 0.0};
+static const Echo silence = {.time = INFINITY, .level = NO_ECHO_LEVEL};
 
 enum { MOST_ECHOES = 32, MOST_LATE = 8 }; /* those of one ping; those that outlive it */
 

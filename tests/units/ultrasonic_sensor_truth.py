@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 from scipy.special import eval_legendre, j1, spherical_jn, spherical_yn
 
 Array = NDArray[np.float64]
@@ -118,15 +119,17 @@ def image_source(device: Device, point: Array, normal: Array) -> Complex:
     return 2 / length * beam * device.loss(length) * np.exp(-1j * device.wave_numbers * length)
 
 
-def rigid_sphere(device: Device, center: Array, radius: float) -> Complex:
+def rigid_sphere(device: Device, center: Array, radius: float, coarse: int = 20) -> Complex:
     """Spectrum of a rigid sphere: sum over n of i k (2n+1) j_n'(ka)/h_n'(ka) h_n(k r1) h_n(k r2) P_n(cos).
 
-    h_n is that of outgoing waves with exp(+i w t), h2. The beams are those towards the mirror point.
+    h_n is that of outgoing waves with exp(+i w t), h2. The beams are those towards the mirror point. Frequencies
+    are taken every `coarse` lines and joined by a spline, with the phase of the mirror path taken out.
     """
     legs = [ear - center for ear in device.ears]
     reaches = [np.linalg.norm(leg) for leg in legs]
     cosine = np.dot(*legs) / (reaches[0] * reaches[1])
-    k = device.wave_numbers
+    places = np.unique(np.append(np.arange(0, device.offsets.size, coarse), device.offsets.size - 1))
+    k = device.wave_numbers[places]
     order = np.arange(int(k.max() * radius + 6 * (k.max() * radius) ** (1 / 3) + 12))[:, None]
     ka = k * radius
 
@@ -138,13 +141,14 @@ def rigid_sphere(device: Device, center: Array, radius: float) -> Complex:
     pressure = 1j * k * np.sum((2 * order + 1) * waves * eval_legendre(order, cosine), axis=0)
     aim = np.add(*[leg / reach for leg, reach in zip(legs, reaches, strict=True)])
     point = center + radius * aim / np.linalg.norm(aim)
-    beam = np.ones(k.size, complex)
+    beam = np.ones(device.offsets.size, complex)
     length = 0.0
     for ear in device.ears:
         leg = np.linalg.norm(point - ear)
         beam *= device.beam((point - ear) / leg)
         length += leg
-    return 2 * pressure * beam * device.loss(length)
+    smooth = CubicSpline(device.offsets[places], pressure * np.exp(1j * k * length))(device.offsets)
+    return 2 * smooth * np.exp(-1j * device.wave_numbers * length) * beam * device.loss(length)
 
 
 def kirchhoff(device: Device, points: Array, normals: Array, areas: Array, coarse: int = 40) -> Complex:
@@ -152,8 +156,6 @@ def kirchhoff(device: Device, points: Array, normals: Array, areas: Array, coars
     (n.d1 + n.d2) p1 p2, d from the surface to the ends. Frequencies are taken every `coarse` lines and joined by
     a spline, with the phase of the mean length taken out.
     """
-    from scipy.interpolate import CubicSpline
-
     legs = [ear - points for ear in device.ears]
     reaches = [np.linalg.norm(leg, axis=1) for leg in legs]
     towards = [leg / reach[:, None] for leg, reach in zip(legs, reaches, strict=True)]
