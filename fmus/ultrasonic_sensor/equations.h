@@ -1,9 +1,6 @@
-/* UltrasonicSensor: the air, the paths of the sound and what is left of it.
+/* UltrasonicSensor: the air, the device, and the distance that belongs to a time.
  *
- *   time      c t = |S - T| + |R - S|        T transmitter, S mirror point, R receiver, each where
- *                                            it is when the sound is there
  *   distance  d = sqrt((c t / 2)^2 - (b / 2)^2)    of a plane that faces the pair, b apart
- *   level     spreading, two-way piston directivity, absorption
  *
  * The class notes' x = v/t has the unit 1/s^2; the way is v t, and it is walked twice.
  */
@@ -13,60 +10,28 @@
 #include "vector.h"
 #include "variables.h"
 
-#define DECIBEL_PER_NEPER 8.685889638065036553 /* 20 / ln 10 */
-#define STANDARD_PRESSURE 101325.0             /* Pa */
-#define CARBON_DIOXIDE 400e-6                  /* mole fraction */
-#define PISTON_RADIUS 6.57e-3                  /* m; 55 degrees wide at -6 dB, two-way, 40 kHz */
-#define NO_ECHO_LEVEL (-200.0)                 /* dB; below every threshold */
+#include "paths.h"
 
-/* Transmitter and receiver at the emission; they move on with the velocity of the sensor. */
-typedef struct Transceiver {
-    Vector transmitter, receiver;
-    Vector axis; /* unit, where the sensor looks */
-    Vector velocity;
-} Transceiver;
-
-/* Transmitter, target, receiver. */
-typedef struct Path {
-    Vector point;               /* of the target, where the sound meets it */
-    Vector normal;              /* unit, out of the target at that point */
-    Vector incident, reflected; /* unit, directions of travel */
-    real first, second;         /* lengths of the two legs */
-    real time;                  /* from emission to reception */
-    real share;                 /* weight of the receiver in the point that the normal aims at */
-    real bounce_time;           /* from emission to the bounce */
-} Path;
-
-/* The ball that touches a target from within at the mirror point. */
-typedef struct Ball {
-    Vector center; /* at the emission */
-    Vector velocity;
-    Vector slide; /* of the centre along the wall of a capsule, per share; zero for a sphere */
-    real radius;
-} Ball;
-
-/* Curvature of a target at the mirror point: the trace and the determinant of its shape operator,
- * and its value along the incident direction laid into the surface. */
-typedef struct Curvature {
-    real trace, determinant, along;
-} Curvature;
+#define STANDARD_PRESSURE 101325.0 /* Pa */
+#define CARBON_DIOXIDE 400e-6      /* mole fraction */
+#define NO_ECHO_LEVEL (-200.0)     /* dB; below every threshold */
 
 /* Mole fraction of water vapour; Davis, Metrologia 29 (1992) 67, as Cramer uses it. */
-static inline real vapour_fraction(real temperature, real humidity)
+static inline real vapour_fraction(real temperature, real humidity, real pressure)
 {
     real celsius = temperature - 273.15;
     real saturation = exp((1.2378847e-5 * temperature - 1.9121316e-2) * temperature + 33.93711047
                           - 6.3431645e3 / temperature);
-    real enhancement = 1.00062 + 3.14e-8 * STANDARD_PRESSURE + 5.6e-7 * celsius * celsius;
-    return humidity * enhancement * saturation / STANDARD_PRESSURE;
+    real enhancement = 1.00062 + 3.14e-8 * pressure + 5.6e-7 * celsius * celsius;
+    return humidity * enhancement * saturation / pressure;
 }
 
 /* Cramer, J. Acoust. Soc. Am. 93 (1993) 2510, equation 15 with table III; fitted for 0 to 30 C. */
-static inline real speed_of_sound_in_air(real temperature, real humidity)
+static inline real speed_of_sound_in_air(real temperature, real humidity, real pressure)
 {
-    const real p = STANDARD_PRESSURE, carbon = CARBON_DIOXIDE;
+    const real p = pressure, carbon = CARBON_DIOXIDE;
     real t = temperature - 273.15;
-    real water = vapour_fraction(temperature, humidity);
+    real water = vapour_fraction(temperature, humidity, pressure);
     return 331.5024 + (0.603055 - 0.000528 * t) * t
         + (51.471935 + (0.1495874 - 0.000782 * t) * t) * water
         + (-1.82e-7 + (3.73e-8 - 2.93e-10 * t) * t) * p
@@ -75,18 +40,19 @@ static inline real speed_of_sound_in_air(real temperature, real humidity)
         + 0.000486 * water * p * carbon;
 }
 
-/* Decibels per metre; ISO 9613-1:1993, equations 3 to 5, B.2 and B.3, at one atmosphere. */
-static inline real absorption_of_air(real temperature, real humidity, real frequency)
+/* Decibels per metre; ISO 9613-1:1993, equations 3 to 5, B.2 and B.3. */
+static inline real absorption_of_air(real temperature, real humidity, real pressure, real frequency)
 {
     real ratio = temperature / 293.15;
+    real atmospheres = pressure / STANDARD_PRESSURE;
     real saturation = exp(log(10.0) * (4.6151 - 6.8346 * pow(273.16 / temperature, 1.261)));
-    real h = 100.0 * humidity * saturation; /* molar concentration of water vapour, % */
-    real oxygen = 24.0 + 4.04e4 * h * (0.02 + h) / (0.391 + h);
-    real nitrogen = (9.0 + 280.0 * h * exp(-4.170 * (pow(ratio, -1.0 / 3.0) - 1.0))) / sqrt(ratio);
+    real h = 100.0 * humidity * saturation / atmospheres; /* molar concentration of water vapour, % */
+    real oxygen = atmospheres * (24.0 + 4.04e4 * h * (0.02 + h) / (0.391 + h));
+    real nitrogen = atmospheres * (9.0 + 280.0 * h * exp(-4.170 * (pow(ratio, -1.0 / 3.0) - 1.0))) / sqrt(ratio);
     real f2 = frequency * frequency;
     real relaxation = 0.01275 * exp(-2239.1 / temperature) / (oxygen + f2 / oxygen)
         + 0.1068 * exp(-3352.0 / temperature) / (nitrogen + f2 / nitrogen);
-    return 8.686 * f2 * (1.84e-11 * sqrt(ratio) + pow(ratio, -2.5) * relaxation);
+    return 8.686 * f2 * (1.84e-11 * sqrt(ratio) / atmospheres + pow(ratio, -2.5) * relaxation);
 }
 
 /* From the path's time to the distance of a plane facing the pair, and back. */
@@ -100,162 +66,46 @@ static inline real time_of_distance(real distance, real speed, real baseline)
     return sqrt(4.0 * distance * distance + baseline * baseline) / speed;
 }
 
-/* How long sound needs to reach a point at `offset` that moves with `velocity`, slower than sound:
- * |offset + velocity t| = c t. */
-static inline real arrival_time(Vector offset, Vector velocity, real speed)
+/* The burst: transmitter and receiver are each a resonator whose response falls to a half, -6 dB,
+ * `bandwidth` / 2 off its frequency; their envelopes answer with exp(-t / ring_time). */
+static inline real ring_time_of(real bandwidth)
 {
-    real approach = dot(offset, velocity);
-    real margin = speed * speed - dot(velocity, velocity);
-    return (approach + sqrt(approach * approach + margin * dot(offset, offset))) / margin;
+    real edge = PI * bandwidth;
+    return sqrt(3.0 / (edge * edge));
 }
 
-/* The mirror path by a plane at rest: straight from the image of the transmitter. `normal` is a
- * unit vector. */
-static inline Path plane_path(const Transceiver *pair, Vector plane_point, Vector normal, real speed)
+/* When the envelope of a burst `length` ring times long is highest, in ring times. */
+static inline real burst_peak_time(real length)
 {
-    real height = dot(normal, subtract(pair->transmitter, plane_point));
-    Vector image = add_scaled(pair->transmitter, -2.0 * height, normal);
-    Vector offset = subtract(pair->receiver, image);
-    Path path;
-    path.time = arrival_time(offset, pair->velocity, speed);
-    path.reflected = scale(1.0 / (speed * path.time), add_scaled(offset, path.time, pair->velocity));
-    real cosine = dot(path.reflected, normal);
-    path.incident = add_scaled(path.reflected, -2.0 * cosine, normal);
-    path.normal = normal;
-    path.first = height / cosine;
-    path.second = speed * path.time - path.first;
-    path.point = add_scaled(pair->transmitter, path.first, path.incident);
-    path.share = path.first / (path.first + path.second);
-    path.bounce_time = path.first / speed;
-    return path;
+    return length / (1.0 - exp(-length));
 }
 
-/* A first guess of the path by a ball: straight back from its centre. */
-static inline Path ball_path_guess(const Transceiver *pair, Ball ball, real speed)
+/* How high it then is; 1 is what an endless burst reaches. */
+static inline real burst_peak(real length)
 {
-    Path path;
-    path.point = path.normal = path.incident = path.reflected = vector(0.0, 0.0, 0.0);
-    path.bounce_time = (norm(subtract(ball.center, pair->transmitter)) - ball.radius) / speed;
-    path.time = 2.0 * path.bounce_time;
-    path.first = path.second = speed * path.bounce_time;
-    path.share = 0.5;
-    return path;
+    return (exp(length) - 1.0) * exp(-burst_peak_time(length));
 }
 
-/* The point between transmitter and receiver that the normal at the mirror point aims at. */
-static inline Vector path_aim(const Transceiver *pair, Path path)
+/* How far below that the envelope is when the burst ends, in nepers. */
+static inline real burst_margin(real length)
 {
-    Vector receiver = add_scaled(pair->receiver, path.time, pair->velocity);
-    return add(scale(1.0 - path.share, pair->transmitter), scale(path.share, receiver));
-}
-
-/* One refinement of the path by a ball that moves with u. Fermat: the time is stationary where
- *     n  ~  d2 / (c - d2 u)  -  d1 / (c - d1 u)          d1 incident, d2 reflected,
- * the law of reflection at a moving mirror. With the legs r1 and r2 this says that n aims at the
- * mean of transmitter and receiver, weighed with 1 / (r (c - d u)). An error e in that mean leaves
- * an error of order e^2 in the time. */
-static inline Path ball_path_refined(const Transceiver *pair, Path path, Ball ball, real speed)
-{
-    Vector outward = subtract(path_aim(pair, path), add_scaled(ball.center, path.bounce_time, ball.velocity));
-    real reach = norm(outward);
-    Path next;
-    next.normal = scale(1.0 / reach, outward);
-
-    Vector surface = add_scaled(ball.center, ball.radius, next.normal);
-    Vector leg = subtract(surface, pair->transmitter);
-    next.bounce_time = arrival_time(leg, ball.velocity, speed);
-    next.point = add_scaled(surface, next.bounce_time, ball.velocity);
-    next.first = speed * next.bounce_time;
-    next.incident = scale(1.0 / next.first, add_scaled(leg, next.bounce_time, ball.velocity));
-
-    Vector back = subtract(add_scaled(pair->receiver, next.bounce_time, pair->velocity), next.point);
-    real return_time = arrival_time(back, pair->velocity, speed);
-    next.time = next.bounce_time + return_time;
-    next.second = speed * return_time;
-    next.reflected = scale(1.0 / next.second, add_scaled(back, return_time, pair->velocity));
-
-    real first = next.first * (speed - dot(next.incident, ball.velocity));
-    real second = next.second * (speed - dot(next.reflected, ball.velocity));
-    real fixed_point = first / (first + second);
-    /* Newton's step needs the slope of that fixed point; of a target at rest, which is near enough */
-    Vector pair_line = subtract(pair->receiver, pair->transmitter);
-    Vector across = subtract(pair_line, ball.slide);
-    Vector turn = add_scaled(across, -dot(across, next.normal), next.normal);
-    Vector shift = add_scaled(ball.slide, ball.radius / reach, turn); /* of the mirror point */
-    Vector stretch = add(scale(next.second, next.incident), scale(next.first, next.reflected));
-    real whole = next.first + next.second;
-    real slope = dot(stretch, shift) / (whole * whole);
-    next.share = path.share + (fixed_point - path.share) / (1.0 - slope);
-    return next;
-}
-
-static inline Curvature plane_curvature(void)
-{
-    Curvature flat = {0.0, 0.0, 0.0};
-    return flat;
-}
-
-static inline Curvature sphere_curvature(Path path, real radius)
-{
-    real cosine = dot(path.reflected, path.normal);
-    Curvature round = {2.0 / radius, 1.0 / (radius * radius), (1.0 - cosine * cosine) / radius};
-    return round;
-}
-
-/* `axis` is the unit vector along the cylinder. */
-static inline Curvature cylinder_curvature(Path path, Vector axis, real radius)
-{
-    real cosine = dot(path.reflected, path.normal);
-    real lengthwise = dot(path.incident, axis);
-    Curvature round = {1.0 / radius, 0.0, (1.0 - cosine * cosine - lengthwise * lengthwise) / radius};
-    return round;
-}
-
-/* The square of the amplitude that geometrical acoustics leaves, relative to a plane facing the
- * sensor at 1 m: 4 / det((r1 + r2) 1 + r1 r2 M), M the curvature that the mirror adds to the
- * wavefront; Deschamps, Proc. IEEE 60 (1972) 1022. */
-static inline real spreading_power(Path path, Curvature mirror)
-{
-    real cosine = dot(path.reflected, path.normal);
-    real whole = path.first + path.second;
-    real product = path.first * path.second;
-    real trace = 2.0 * (mirror.trace * cosine + mirror.along / cosine);
-    return 4.0 / (whole * whole + whole * product * trace + 4.0 * product * product * mirror.determinant);
-}
-
-/* 2 J1(x) / x, amplitude of a piston in a baffle, from (x/2)^2 by its power series. 22 terms leave
- * less than 1e-13 for x up to 8; the largest x, at 60 kHz, -20 C and 90 degrees, is 7.8. */
-static inline real piston_directivity(real half_argument_squared)
-{
-    real sum = 1.0;
-    for (int k = 22; k > 0; k--) {
-        sum = 1.0 - half_argument_squared * (1.0 / (k * (k + 1.0))) * sum;
-    }
-    return sum;
-}
-
-/* Decibels relative to a plane that faces the sensor at 1 m in air without loss. */
-static inline real path_level(const Transceiver *pair, Path path, Curvature mirror, real wave_number, real absorption)
-{
-    real leaving = dot(path.incident, pair->axis);
-    real coming = dot(path.reflected, pair->axis);
-    real half = 0.5 * wave_number * PISTON_RADIUS;
-    real there = piston_directivity(half * half * (1.0 - leaving * leaving));
-    real back = piston_directivity(half * half * (1.0 - coming * coming));
-    real power = there * there * back * back * spreading_power(path, mirror);
-    return 0.5 * DECIBEL_PER_NEPER * log(power) - absorption * (path.first + path.second);
-}
-
-/* The level of a plane that faces the sensor, without the beam. */
-static inline real facing_level(real length, real absorption)
-{
-    return DECIBEL_PER_NEPER * log(2.0 / length) - absorption * length;
+    real before = length + 1.0 - burst_peak_time(length);
+    return before - 1.0 - log(before);
 }
 
 static inline void ultrasonic_sensor_initialize(UltrasonicSensor *sensor)
 {
-    sensor->speed_of_sound = speed_of_sound_in_air(sensor->temperature, sensor->humidity);
-    sensor->absorption = absorption_of_air(sensor->temperature, sensor->humidity, sensor->frequency);
+    real sound = speed_of_sound_in_air(sensor->temperature, sensor->humidity, sensor->pressure);
+    sensor->speed_of_sound = sound;
+    sensor->absorption = absorption_of_air(sensor->temperature, sensor->humidity, sensor->pressure, sensor->frequency);
+    sensor->wave_number = 2.0 * PI * sensor->frequency / sound;
+    sensor->ring_time = ring_time_of(sensor->bandwidth);
+    sensor->burst_length = sensor->burst_periods / (sensor->frequency * sensor->ring_time);
+    sensor->peak_time = burst_peak_time(sensor->burst_length);
+    sensor->peak = burst_peak(sensor->burst_length);
+    sensor->burst_margin = burst_margin(sensor->burst_length);
+    sensor->nearest_time = time_of_distance(sensor->minimum_range, sound, sensor->baseline);
+    sensor->farthest_time = time_of_distance(sensor->maximum_range, sound, sensor->baseline);
     sensor->distance = sensor->maximum_range;
     sensor->level = NO_ECHO_LEVEL;
     sensor->start_time = sensor->time;

@@ -1,11 +1,17 @@
 /* UltrasonicSensor: the checks, the pings and their times. */
 #include "unit.h"
-#include "equations.h"
-#include "echo.c"
+#include "surroundings.c"
 
 #include <math.h>
 #include <string.h>
 
+#include "rays.c"
+#include "fresnel.c"
+#include "specular.c"
+#include "envelope.c"
+#include "echo.c"
+
+#define DEVICE_SPEED (0.01 / 58e-6) /* m/s of echo width: the sheet's 58 us a centimetre */
 #define SHORTEST_PERIOD 0.001 /* s; the air is not silent sooner, and each ping costs an event */
 
 static Status ultrasonic_sensor_check(const UltrasonicSensor *sensor, Log *log)
@@ -18,7 +24,13 @@ static Status ultrasonic_sensor_check(const UltrasonicSensor *sensor, Log *log)
         return report(log, STATUS_ERROR, "minimum_range = %g m; allowed range: below maximum_range (%g m)",
                       sensor->minimum_range, sensor->maximum_range);
     }
-    double sound = speed_of_sound_in_air(sensor->temperature, sensor->humidity);
+    double sound = speed_of_sound_in_air(sensor->temperature, sensor->humidity, sensor->pressure);
+    double flight = time_of_distance(sensor->maximum_range, sound, sensor->baseline);
+    if (sensor->time_out > 0.0 && sensor->time_out < flight) {
+        return report(log, STATUS_ERROR,
+                      "time_out = %g s; allowed range: 0 (the flight to maximum_range) or at least that flight (%g s)",
+                      sensor->time_out, flight);
+    }
     if (norm(sensor->velocity) >= sound || norm(sensor->sphere_velocity) >= sound) {
         return report(log, STATUS_ERROR,
                       "velocity = %g m/s, sphere_velocity = %g m/s in length; allowed range: below the speed of sound "
@@ -76,29 +88,44 @@ static double normal_number(int32_t seed, int32_t counter)
     return sqrt(-2.0 * log(uniform(first))) * cos(2.0 * PI * uniform(second));
 }
 
-/* What the device makes of a distance. */
-static double reported_distance(const UltrasonicSensor *sensor, double distance)
+/* What is reported of a distance. */
+static double reported_distance(const UltrasonicSensor *sensor, double distance, double error)
 {
-    if (sensor->noise > 0.0) {
-        distance = fmax(0.0, distance + sensor->noise * normal_number(sensor->seed, sensor->sequence));
-    }
-    return sensor->resolution > 0.0 ? sensor->resolution * round(distance / sensor->resolution) : distance;
+    distance = greater(0.0, distance + error);
+    return sensor->resolution > 0.0 ? sensor->resolution * floor(distance / sensor->resolution + 0.5) : distance;
+}
+
+static void pend_echo(UltrasonicSensor *sensor, Detection found)
+{
+    double speed = sensor->speed_of_sound;
+    double error = sensor->noise > 0.0 ? sensor->noise * normal_number(sensor->seed, sensor->sequence) : 0.0;
+    sensor->pending_flight = found.echo.time;
+    sensor->pending_width = greater(found.crossing - sensor->echo_start, 0.0);
+    sensor->pending_distance =
+        reported_distance(sensor, distance_of_time(found.echo.time, speed, sensor->baseline), error);
+    sensor->pending_device = reported_distance(sensor, DEVICE_SPEED * sensor->pending_width, error);
+}
+
+static void pend_silence(UltrasonicSensor *sensor, double end)
+{
+    sensor->pending_flight = end;
+    sensor->pending_width = end;
+    sensor->pending_distance = sensor->maximum_range;
+    sensor->pending_device = DEVICE_SPEED * end;
 }
 
 static void start_ping(UltrasonicSensor *sensor, double emission)
 {
-    double speed = sensor->speed_of_sound;
-    Echo echo = first_echo(sensor, emission);
-    sensor->pending_valid = isfinite(echo.time);
-    sensor->pending_level = echo.level;
+    Detection found = first_echo(sensor, emission);
+    double time_out = sensor->time_out > 0.0 ? sensor->time_out : sensor->farthest_time;
+    sensor->pending_valid = isfinite(found.crossing);
+    sensor->pending_level = found.echo.level;
     if (sensor->pending_valid) {
-        sensor->pending_width = echo.time;
-        sensor->pending_distance = reported_distance(sensor, distance_of_time(echo.time, speed, sensor->baseline));
+        pend_echo(sensor, found);
     } else {
-        sensor->pending_width = time_of_distance(sensor->maximum_range, speed, sensor->baseline);
-        sensor->pending_distance = sensor->maximum_range;
+        pend_silence(sensor, time_out);
     }
-    sensor->finish_time = emission + sensor->pending_width;
+    sensor->finish_time = emission + (sensor->pending_valid ? found.crossing : time_out);
     sensor->in_flight = true;
 }
 
@@ -106,6 +133,8 @@ static void start_ping(UltrasonicSensor *sensor, double emission)
 static void finish_ping(UltrasonicSensor *sensor)
 {
     sensor->distance = sensor->pending_distance;
+    sensor->device_distance = sensor->pending_device;
+    sensor->time_of_flight = sensor->pending_flight;
     sensor->echo_width = sensor->pending_width;
     sensor->valid = sensor->pending_valid;
     sensor->level = sensor->pending_level;

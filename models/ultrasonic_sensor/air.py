@@ -9,7 +9,7 @@ import math
 import casadi as ca
 from casadi import SX
 
-PRESSURE = 101325.0  # Pa
+STANDARD_PRESSURE = 101325.0  # Pa
 CARBON_DIOXIDE = 0.0004  # mole fraction
 LN_10 = math.log(10.0)
 
@@ -33,18 +33,18 @@ PRODUCTS = (
 """a12 to a15."""
 
 
-def vapour_fraction(temperature: SX, humidity: SX) -> SX:
-    """Mole fraction of water vapour; temperature in K, humidity from 0 to 1."""
-    pressure = ca.exp(sum(factor * temperature**power for factor, power in SATURATION))
-    enhancement = 1.00062 + 3.14e-8 * PRESSURE + 5.6e-7 * (temperature - 273.15) ** 2
-    return humidity * enhancement * pressure / PRESSURE
+def vapour_fraction(temperature: SX, humidity: SX, pressure: SX) -> SX:
+    """Mole fraction of water vapour; temperature in K, humidity from 0 to 1, pressure in Pa."""
+    saturation = ca.exp(sum(factor * temperature**power for factor, power in SATURATION))
+    enhancement = 1.00062 + 3.14e-8 * pressure + 5.6e-7 * (temperature - 273.15) ** 2
+    return humidity * enhancement * saturation / pressure
 
 
-def speed_of_sound(temperature: SX, humidity: SX) -> SX:
-    """In m/s; temperature in K, humidity from 0 to 1."""
+def speed_of_sound(temperature: SX, humidity: SX, pressure: SX) -> SX:
+    """In m/s; temperature in K, humidity from 0 to 1, pressure in Pa."""
     celsius = temperature - 273.15
-    water = vapour_fraction(temperature, humidity)
-    share = {"air": SX(1), "water": water, "pressure": SX(PRESSURE), "carbon dioxide": SX(CARBON_DIOXIDE)}
+    water = vapour_fraction(temperature, humidity, pressure)
+    share = {"air": SX(1), "water": water, "pressure": pressure, "carbon dioxide": SX(CARBON_DIOXIDE)}
     speed = sum(sum(a * celsius**k for k, a in enumerate(row)) * share[name] for name, row in LINEAR.items())
     for factor, names in PRODUCTS:
         term = SX(factor)
@@ -54,15 +54,16 @@ def speed_of_sound(temperature: SX, humidity: SX) -> SX:
     return speed
 
 
-def absorption(temperature: SX, humidity: SX, frequency: SX) -> SX:
+def absorption(temperature: SX, humidity: SX, pressure: SX, frequency: SX) -> SX:
     """In dB/m: classical and rotational, and the relaxing vibrations of oxygen and nitrogen."""
     cold = 293.15 / temperature
-    water = 100 * humidity * ca.exp(LN_10 * (4.6151 - 6.8346 * ca.exp(1.261 * ca.log(273.16 / temperature))))
+    thin = STANDARD_PRESSURE / pressure
+    water = 100 * thin * humidity * ca.exp(LN_10 * (4.6151 - 6.8346 * ca.exp(1.261 * ca.log(273.16 / temperature))))
     root = ca.sqrt(1 / cold)
-    oxygen = 24 + 40400 * water * (water + 0.02) / (water + 0.391)
+    oxygen = (24 + 40400 * water * (water + 0.02) / (water + 0.391)) / thin
     warming = 1 - ca.exp(ca.log(cold) / 3)
-    nitrogen = ca.sqrt(cold) * (9 + 280 * water * ca.exp(4.17 * warming))
-    total = 1.84e-11 * root * frequency**2
+    nitrogen = ca.sqrt(cold) / thin * (9 + 280 * water * ca.exp(4.17 * warming))
+    total = 1.84e-11 * thin * root * frequency**2
     for strength, temperature_of_vibration, relaxation in ((0.01275, 2239.1, oxygen), (0.1068, 3352.0, nitrogen)):
         ratio = frequency / relaxation
         vibration = strength * ca.exp(-temperature_of_vibration / temperature)

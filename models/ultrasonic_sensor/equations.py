@@ -2,7 +2,10 @@
 
 Sources: Pierce, *Acoustics*, 8.1 (Fermat, moving boundaries); Deschamps, Proc. IEEE 60 (1972) 1022 (wavefronts after a
 mirror); Kinsler and Frey, *Fundamentals of Acoustics*, 7.4 (the piston).
+The burst: two linear resonators after a carrier that is switched on and off.
 """
+
+import math
 
 import casadi as ca
 from casadi import SX
@@ -19,23 +22,37 @@ NO_ECHO = -200.0  # dB
 
 def equations(values: Values) -> Values:
     """Results by `FUNCTION` or `FUNCTION.RESULT`, values at the start as `initial(NAME)`; SI units and dB."""
-    temperature, humidity = values["temperature"], values["humidity"]
-    sound = air.speed_of_sound(temperature, humidity)
-    loss = air.absorption(temperature, humidity, values["frequency"])
+    state = (values["temperature"], values["humidity"], values["pressure"])
+    sound = air.speed_of_sound(*state)
+    loss = air.absorption(*state, values["frequency"])
+    ring = ring_time(values["bandwidth"])
+    burst = values["burst_periods"] / values["frequency"] / ring
     half_baseline = values["baseline"] / 2
     half_way = values["speed"] * values["time_of_flight"] / 2
     return {
-        "vapour_fraction": air.vapour_fraction(temperature, humidity),
+        "vapour_fraction": air.vapour_fraction(*state),
         "speed_of_sound_in_air": sound,
         "absorption_of_air": loss,
         "initial(speed_of_sound)": sound,
         "initial(absorption)": loss,
         "initial(distance)": values["maximum_range"],
         "initial(level)": SX(NO_ECHO),
+        "initial(wave_number)": 2 * math.pi * values["frequency"] / sound,
+        "initial(ring_time)": ring,
+        "initial(burst_length)": burst,
+        "initial(peak_time)": peak_time(burst),
+        "initial(peak)": peak(burst),
+        "initial(burst_margin)": margin(burst),
+        "initial(nearest_time)": facing_time(values["minimum_range"], sound, half_baseline),
+        "initial(farthest_time)": facing_time(values["maximum_range"], sound, half_baseline),
+        "ring_time_of": ring,
+        "burst_peak_time": peak_time(values["length_of_burst"]),
+        "burst_peak": peak(values["length_of_burst"]),
+        "burst_margin": margin(values["length_of_burst"]),
         **{f"initial({name}_time)": values["time"] for name in ("start", "position", "sphere_center")},
         # the legs of an isosceles triangle over the baseline, and its height
         "distance_of_time": ca.sqrt((half_way - half_baseline) * (half_way + half_baseline)),
-        "time_of_distance": 2 * ca.norm_2(ca.vertcat(values["range"], half_baseline)) / values["speed"],
+        "time_of_distance": facing_time(values["range"], values["speed"], half_baseline),
         "arrival_time": arrival_time(values["offset"], values["velocity"], values["speed"]),
         **_named("plane_path", plane_path(values)),
         **_named("ball_path_refined", ball_path(values)),
@@ -51,6 +68,37 @@ def equations(values: Values) -> Values:
 
 def _named(function: str, results: Values) -> Values:
     return {f"{function}.{name}": result for name, result in results.items()}
+
+
+def facing_time(height: SX, speed: SX, half_baseline: SX) -> SX:
+    """There and back by a plane at `height` that faces the pair: two hypotenuses."""
+    return 2 * ca.norm_2(ca.vertcat(height, half_baseline)) / speed
+
+
+def ring_time(bandwidth: SX) -> SX:
+    """1/w of a resonator whose response 1 / (1 + i x/w) has the modulus 1/2 at x = pi bandwidth."""
+    half = math.pi * bandwidth
+    return ca.sqrt((2**2 - 1) * half**2) / half**2
+
+
+def envelope(time: SX, length: SX) -> SX:
+    """After a burst, of two equal resonators in a row: begun less ended, each 1 - (1 + t) exp(-t)."""
+    return (1 + time - length) * ca.exp(length - time) - (1 + time) * ca.exp(-time)
+
+
+def peak_time(length: SX) -> SX:
+    """Where t exp(-t) and (t - length) exp(length - t) agree."""
+    return length * ca.exp(length) / (ca.exp(length) - 1)
+
+
+def peak(length: SX) -> SX:
+    """The envelope at its loudest."""
+    return envelope(peak_time(length), length)
+
+
+def margin(length: SX) -> SX:
+    """ln of the peak over the envelope when the burst ends."""
+    return ca.log(peak(length) / envelope(length, length))
 
 
 def arrival_time(offset: SX, velocity: SX, speed: SX) -> SX:
@@ -167,9 +215,9 @@ def piston(half_argument_squared: SX) -> SX:
 
 def path_level(values: Values) -> SX:
     """Level of a path in dB: spreading, the beam twice, the air."""
-    level = DECIBEL_PER_NEPER / 2 * ca.log(spreading_power(values))
-    for direction in ("incident", "reflected"):
-        aside = ca.cross(values[direction], values["axis"])
-        half_argument = values["wave_number"] * PISTON_RADIUS / 2
+    level = DECIBEL_PER_NEPER / 2 * ca.log(spreading_power(values) * values["reflection"] ** 2)
+    for direction, axis in (("incident", "axis"), ("reflected", "receiver_axis")):
+        aside = ca.cross(values[direction], values[axis])
+        half_argument = values["sound_wave_number"] * PISTON_RADIUS / 2
         level += DECIBEL_PER_NEPER / 2 * ca.log(piston(half_argument**2 * ca.dot(aside, aside)) ** 2)
     return level - values["absorption_per_metre"] * (values["first"] + values["second"])

@@ -1,5 +1,6 @@
 """UltrasonicSensor: what holds for every path of sound, whatever computes it: Fermat, the image source, reciprocity."""
 
+import math
 from collections.abc import Mapping
 
 import casadi as ca
@@ -59,6 +60,7 @@ def identities(f: Equations) -> dict[str, SX]:
         **_ball(f),
         **_spreading(f),
         **_levels(f),
+        **_burst(f),
         "every equation is right in its units, which x = v/t is not": in_other_units(
             f, symbols(), VALUE_UNITS | RESULT_UNITS, RESULT_UNITS
         ),
@@ -258,9 +260,20 @@ def _levels(f: Equations) -> dict[str, SX]:
     values = symbols()
     level = f(values)["path_level"]
     legs = {"first": values["second"], "second": values["first"]}
-    ends = {"incident": -values["reflected"], "reflected": -values["incident"]}
+    ends = {
+        "incident": -values["reflected"],
+        "reflected": -values["incident"],
+        "axis": values["receiver_axis"],
+        "receiver_axis": values["axis"],
+    }
     back = values | legs | ends
-    straight = {"incident": values["axis"], "reflected": -values["axis"], "normal": -values["axis"]}
+    straight = {
+        "incident": values["axis"],
+        "reflected": -values["axis"],
+        "normal": -values["axis"],
+        "receiver_axis": values["axis"],
+        "reflection": SX(1),
+    }
     flat = {name: SX(0) for name in CURVATURE_UNITS}
     facing = f(values | straight | flat)["path_level"]
     whole = f(values | {"length": values["first"] + values["second"]})["facing_level"]
@@ -283,4 +296,25 @@ def _levels(f: Equations) -> dict[str, SX]:
         "emitter and receiver may be exchanged: the curvatures stay": ca.vertcat(
             *[there[name] - here[name] for name in round_bodies]
         ),
+    }
+
+
+def _burst(f: Equations) -> dict[str, SX]:
+    """The envelope of a burst solves the equation of two resonators in a row, from rest."""
+    values = symbols()
+    time, length = SX.sym("time_since"), values["length_of_burst"]
+    results = f(values)
+    loudest = results["burst_peak"]
+    # z'' + 2 z' + z = 0 once the burst has ended, from where 1 - (1 + t) exp(-t) has come by then
+    value, slope = 1 - (1 + length) * ca.exp(-length), length * ca.exp(-length)
+    later = time - length
+    after = (value + (value + slope) * later) * ca.exp(-later)
+    peak = results["burst_peak_time"]
+    bandwidth = values["bandwidth"]
+    edge = math.pi * bandwidth * results["ring_time_of"]  # where the response 1 / (1 + i edge) has the modulus 1/2
+    return {
+        "a resonator answers with a half at the edges of its bandwidth": 1 + edge**2 - 4,
+        "the envelope of a burst is flat at its peak": ca.substitute(ca.jacobian(after, time), time, peak),
+        "the envelope of a burst is as high as its peak": ca.substitute(after, time, peak) - loudest,
+        "the margin at the end of the burst leads back to it": loudest * ca.exp(-results["burst_margin"]) - value,
     }

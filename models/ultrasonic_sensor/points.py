@@ -12,14 +12,20 @@ LENGTHS = ("baseline", "range", "length", "first", "second", "ball_radius", "leg
 SAMPLES = dict.fromkeys((*LENGTHS, "metre", "kilogram", "second_of_time"), (0.5, 1.0)) | {
     "temperature": (253.15, 323.15),
     "humidity": (0.1, 1.0),
+    "pressure": (6e4, 1.1e5),
     "frequency": (2e4, 6e4),
+    "bandwidth": (1e3, 4e3),
+    "burst_periods": (2.0, 16.0),
+    "length_of_burst": (0.25, 2.0),
+    "reflection": (0.25, 1.0),
+    "minimum_range": (0.02, 0.1),
     "speed": (3.0, 4.0),
     "time_of_flight": (1.0, 2.0),
     "trace": (0.5, 1.0),
     "determinant": (0.5, 1.0),
     "along": (0.1, 0.5),
     "half_argument_squared": (0.0, 4.0),
-    "wave_number": (100.0, 200.0),
+    "sound_wave_number": (100.0, 200.0),
     "incidence": (-0.6, 0.6),
     "height": (0.5, 1.0),
     "plane_distance": (8.0, 9.0),
@@ -82,16 +88,18 @@ def resting_path() -> Values:
 
 def symbols() -> Values:
     """What every function of the sensor takes, in SI units."""
-    numbers = ("temperature", "humidity", "frequency", "maximum_range", "time", "wave_number", "absorption_per_metre")
+    numbers = ("temperature", "humidity", "pressure", "frequency", "bandwidth", "burst_periods", "length_of_burst")
+    ranges = ("minimum_range", "maximum_range", "time", "sound_wave_number", "absorption_per_metre", "reflection")
     more = ("half_argument_squared", "length", "time_of_flight", "range", "baseline", "trace", "determinant", "along")
     paths, mirrors = path(SX.sym("velocity", 3), SX.sym("ball_velocity", 3)), mirror()
     # so far behind the transmitter that the receiver is in front of the plane too
     foot = paths["transmitter"] - scalar("plane_distance") * mirrors["normal"]
     return {
-        **{name: scalar(name) for name in numbers + more},
+        **{name: scalar(name) for name in numbers + ranges + more},
         **paths,
         **mirrors,
         "axis": unit_vector("axis_slope"),
+        "receiver_axis": unit_vector("receiver_axis_slope"),
         "plane_point": foot + ca.cross(mirrors["normal"], SX.sym("aside", 3)),
         "offset": SX.sym("offset", 3),
     }

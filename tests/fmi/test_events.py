@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from raw import VERSIONS, Raw
 
-OUTPUTS = ("distance", "echo_width", "valid", "sequence", "level")
+OUTPUTS = ("distance", "device_distance", "time_of_flight", "echo_width", "valid", "sequence", "level")
 WALL = {"plane_point": [1.0, 0.0, 0.0], "plane_normal": [-1.0, 0.0, 0.0], "sphere_center": [0.8, 0.0, 0.0]}
 PERIOD = 0.06  # s
 
@@ -81,7 +81,7 @@ def test_pings_are_the_same_with_and_without_event_mode_and_early_return(step):
     points = [time for time in expected if abs(time / PERIOD - round(time / PERIOD)) > 1e-9]
     for seen in (with_event_mode(True, step, 0.5).rows, with_event_mode(False, step, 0.5).rows):
         assert [seen[time] for time in points] == [expected[time] for time in points]
-    assert np.frombuffer(expected[max(expected)][3], np.int32)[0] == 0.5 // PERIOD + 1
+    assert np.frombuffer(expected[max(expected)][OUTPUTS.index("sequence")], np.int32)[0] == 0.5 // PERIOD + 1
 
 
 @pytest.mark.parametrize("version", VERSIONS)

@@ -12,7 +12,7 @@ BASELINE = 0.026  # m, the default
 PISTON_RADIUS = 6.57e-3  # m
 ROUND_OFF = 1e-14  # relative: a path is some tens of operations of 1.1e-16 each
 EAR = np.array([0.0, BASELINE / 2, 0.0])
-READ = ("distance", "echo_width", "valid", "level", "speed_of_sound", "absorption")
+READ = ("distance", "time_of_flight", "valid", "level", "speed_of_sound", "absorption")
 EXACT = {"resolution": 0.0, "threshold": -150.0}  # no rounding, everything audible
 WALL = {"plane_point": [1.0, 0.0, 0.0], "plane_normal": [-1.0, 0.0, 0.0]}
 BALL = {"sphere_center": [1.0, 0.0, 0.0], "sphere_radius": 0.1}
@@ -108,7 +108,7 @@ def test_facing_plane_is_at_its_true_distance(temperature, fidelity):
         seen = ping(temperature=temperature, fidelity=fidelity, minimum_range=0.01, **EXACT, **wall)
         assert seen["distance"] == pytest.approx(distance, rel=ROUND_OFF)
         way = 2 * np.hypot(distance, BASELINE / 2)
-        assert seen["echo_width"] == pytest.approx(way / seen["speed_of_sound"], rel=ROUND_OFF)
+        assert seen["time_of_flight"] == pytest.approx(way / seen["speed_of_sound"], rel=ROUND_OFF)
 
 
 @pytest.mark.parametrize("temperature", [263.15, 293.15, 313.15])
@@ -120,19 +120,19 @@ def test_tilted_plane_is_heard_from_the_image_source(tilt, temperature):
         seen = ping(temperature=temperature, **EXACT, **wall)
         expected = image_source_time(wall["plane_point"], normal, seen["speed_of_sound"])
         assert seen["valid"]
-        assert seen["echo_width"] == pytest.approx(expected, rel=ROUND_OFF)
+        assert seen["time_of_flight"] == pytest.approx(expected, rel=ROUND_OFF)
 
 
 @pytest.mark.parametrize(("distance", "error"), [(0.02, 3.85e-3), (0.05, 1.66e-3), (0.1, 0.84e-3), (1.0, 0.08e-3)])
 def test_leaving_out_the_baseline_reads_too_far(distance, error):
     seen = ping(minimum_range=0.0, **EXACT, plane_point=[distance, 0, 0], plane_normal=[-1, 0, 0])
-    half_way = seen["speed_of_sound"] * seen["echo_width"] / 2
+    half_way = seen["speed_of_sound"] * seen["time_of_flight"] / 2
     assert half_way - seen["distance"] == pytest.approx(error, abs=0.005e-3)  # printed to 10 um
 
 
 def test_the_notes_formula_is_no_distance():
     near, far = (ping(**EXACT, plane_point=[d, 0, 0], plane_normal=[-1, 0, 0]) for d in (0.5, 1.0))
-    notes_near, notes_far = (seen["speed_of_sound"] / seen["echo_width"] for seen in (near, far))
+    notes_near, notes_far = (seen["speed_of_sound"] / seen["time_of_flight"] for seen in (near, far))
     assert notes_far < 0.51 * notes_near  # v/t halves where the way doubles: its unit is m/s2
     assert notes_far > 1e4 * far["distance"]
     assert far["distance"] == pytest.approx(2 * near["distance"], rel=ROUND_OFF)
@@ -185,7 +185,7 @@ def test_moving_sphere_is_heard_at_fermats_time(center, radius, velocity, sensor
         velocity=sensor_velocity,
     )
     expected = fermat_sphere_time(center, radius, velocity, sensor_velocity, seen["speed_of_sound"])
-    assert seen["echo_width"] == pytest.approx(expected, rel=ROUND_OFF)
+    assert seen["time_of_flight"] == pytest.approx(expected, rel=ROUND_OFF)
 
 
 def test_target_is_taken_where_the_sound_meets_it():
@@ -198,9 +198,9 @@ def test_target_is_taken_where_the_sound_meets_it():
 def test_moving_sensor_hears_where_the_receiver_is_then():
     velocity = np.array([3.0, -40.0, 5.0])
     seen = ping(**EXACT, **WALL, velocity=velocity)
-    way = seen["speed_of_sound"] * seen["echo_width"]
+    way = seen["speed_of_sound"] * seen["time_of_flight"]
     image = np.array([2.0, BASELINE / 2, 0.0])
-    travel = -EAR + velocity * seen["echo_width"] - image
+    travel = -EAR + velocity * seen["time_of_flight"] - image
     assert np.linalg.norm(travel) == pytest.approx(way, rel=ROUND_OFF)
     sine = np.hypot(travel[1], travel[2]) / way
     level = 20 * np.log10(2 / way) - seen["absorption"] * way + 2 * beam_decibels(sine, seen["speed_of_sound"])
@@ -236,7 +236,7 @@ def test_capsule_is_heard_at_fermats_time(which, start, end, radius, part):
 
     best = minimize(way, [1e-4, 1e-4], method="Nelder-Mead", options={"xatol": 1e-8, "fatol": 1e-16})
     # at a minimum the way is flat: 1e-8 in the aim is 1e-16 in the way
-    assert seen["echo_width"] == pytest.approx(best.fun / seen["speed_of_sound"], rel=ROUND_OFF)
+    assert seen["time_of_flight"] == pytest.approx(best.fun / seen["speed_of_sound"], rel=ROUND_OFF)
 
 
 # Level

@@ -8,7 +8,7 @@ from scipy.stats import kstest
 
 from ulna import Slave, UnitError
 
-OUTPUTS = ("distance", "echo_width", "valid", "sequence", "level")
+OUTPUTS = ("distance", "device_distance", "time_of_flight", "echo_width", "valid", "sequence", "level")
 EXACT = {"resolution": 0.0, "threshold": -150.0}  # no rounding, everything audible
 WALL = {"plane_point": [1.0, 0.0, 0.0], "plane_normal": [-1.0, 0.0, 0.0]}
 BALL = {"sphere_center": [1.0, 0.0, 0.0], "sphere_radius": 0.1}
@@ -113,10 +113,10 @@ def test_the_nearest_of_several_targets_is_reported(fidelity):
 def test_an_echo_below_the_threshold_gives_way_to_a_later_one_above():
     pole = {"capsule_1_start": [0.5, 0.3, -1.0], "capsule_1_end": [0.5, 0.3, 1.0], "capsule_1_radius": 0.005}
     weak, strong = ping(**EXACT, **pole), ping(**EXACT, **WALL)
-    assert weak["echo_width"] < strong["echo_width"]
+    assert weak["time_of_flight"] < strong["time_of_flight"]
     between = 0.5 * (weak["level"] + strong["level"])
     both = ping(**EXACT | {"threshold": between}, **pole, **WALL)
-    assert both["echo_width"] == strong["echo_width"]
+    assert both["time_of_flight"] == strong["time_of_flight"]
     just_below, just_above = (ping(threshold=weak["level"] + step, **pole) for step in (-1e-9, 1e-9))
     assert just_below["valid"]
     assert not just_above["valid"]
@@ -252,9 +252,9 @@ def test_pings_to_a_moving_ball_are_the_same_at_any_communication_step(size):
 @pytest.mark.parametrize("start", [0.0, 12.5])
 def test_periodic_pings_end_a_flight_after_start_plus_k_periods(start):
     period, pings = 0.06, 50
+    width = ping(**EXACT, **WALL)["echo_width"]
     with started(start=start, period=period, **EXACT, **WALL) as sensor:
         now = start
-        width = 2 * np.hypot(1.0, 0.013) / sensor.get("speed_of_sound")
         for k in range(pings):
             end = start + k * period + width
             sensor.step(now, end - NANOSECOND - now)

@@ -82,7 +82,7 @@ def moving_targets(fidelities: list[str]) -> Table:
                 values = sphere(distance) | {"sphere_velocity": [-approach, 0.0, 0.0], "baseline": 0.0}
                 # they meet after distance / (c + approach), and the way back is as long
                 expected = 2 * distance / (speed + approach)
-                errors.append(abs(heard(fidelity, "echo_width", EXACT | values) / expected - 1))
+                errors.append(abs(heard(fidelity, "time_of_flight", EXACT | values) / expected - 1))
             rows.append((f"{fidelity}: {approach:g} m/s", *errors))
     return Table(
         "UltrasonicSensor: time of flight to a sphere that approaches",

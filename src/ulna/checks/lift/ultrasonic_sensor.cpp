@@ -2,8 +2,9 @@
 
 static Transceiver transceiver(Lift &lift)
 {
-    return {lift.symbols<Vector>("transmitter"), lift.symbols<Vector>("receiver"), lift.symbols<Vector>("axis"),
-            lift.symbols<Vector>("velocity")};
+    Vector transmitter = lift.symbols<Vector>("transmitter"), receiver = lift.symbols<Vector>("receiver");
+    Vector axis = lift.symbols<Vector>("axis"), receiver_axis = lift.symbols<Vector>("receiver_axis");
+    return {transmitter, receiver, axis, receiver_axis, lift.symbols<Vector>("velocity")};
 }
 
 static void save_path(Lift &lift, Path path, const char *name)
@@ -86,8 +87,10 @@ static void lift_levels()
         Path path = legs(lift);
         Transceiver pair = {};
         pair.axis = lift.symbols<Vector>("axis");
-        Real wave_number = lift.symbols<Real>("wave_number");
-        return path_level(&pair, path, mirror(lift), wave_number, lift.symbols<Real>("absorption_per_metre"));
+        pair.receiver_axis = lift.symbols<Vector>("receiver_axis");
+        Real reflection = lift.symbols<Real>("reflection"), wave_number = lift.symbols<Real>("sound_wave_number");
+        Real absorption = lift.symbols<Real>("absorption_per_metre");
+        return path_level(&pair, path, mirror(lift), reflection, wave_number, absorption);
     });
     lift_function("piston_directivity",
                   [](Lift &lift) { return piston_directivity(lift.symbols<Real>("half_argument_squared")); });
@@ -101,16 +104,19 @@ static void lift_air()
 {
     lift_function("vapour_fraction", [](Lift &lift) {
         Real temperature = lift.symbols<Real>("temperature");
-        return vapour_fraction(temperature, lift.symbols<Real>("humidity"));
+        Real humidity = lift.symbols<Real>("humidity");
+        return vapour_fraction(temperature, humidity, lift.symbols<Real>("pressure"));
     });
     lift_function("speed_of_sound_in_air", [](Lift &lift) {
         Real temperature = lift.symbols<Real>("temperature");
-        return speed_of_sound_in_air(temperature, lift.symbols<Real>("humidity"));
+        Real humidity = lift.symbols<Real>("humidity");
+        return speed_of_sound_in_air(temperature, humidity, lift.symbols<Real>("pressure"));
     });
     lift_function("absorption_of_air", [](Lift &lift) {
         Real temperature = lift.symbols<Real>("temperature");
         Real humidity = lift.symbols<Real>("humidity");
-        return absorption_of_air(temperature, humidity, lift.symbols<Real>("frequency"));
+        Real pressure = lift.symbols<Real>("pressure");
+        return absorption_of_air(temperature, humidity, pressure, lift.symbols<Real>("frequency"));
     });
 }
 
@@ -133,8 +139,17 @@ static void lift_times()
     });
 }
 
+static void lift_burst()
+{
+    lift_function("ring_time_of", [](Lift &lift) { return ring_time_of(lift.symbols<Real>("bandwidth")); });
+    lift_function("burst_peak_time", [](Lift &lift) { return burst_peak_time(lift.symbols<Real>("length_of_burst")); });
+    lift_function("burst_peak", [](Lift &lift) { return burst_peak(lift.symbols<Real>("length_of_burst")); });
+    lift_function("burst_margin", [](Lift &lift) { return burst_margin(lift.symbols<Real>("length_of_burst")); });
+}
+
 static void lift_functions()
 {
+    lift_burst();
     lift_paths();
     lift_curvatures();
     lift_levels();

@@ -1,0 +1,272 @@
+/* UltrasonicSensor: the echo of each target by its mirror point. */
+enum { MOST_REFINEMENTS = 12 }; /* at rest one or two will do, at half the speed of sound all */
+
+#define CLOSE_AIM 1e-8 /* of the first leg: an error e in the aim costs e^2 / 2 of the time */
+#define LAST_END 3.5   /* Fresnel's u from which a round end changes an echo by less than .003 */
+
+/* The strip's or capsule's end as seen from a mirror point. */
+typedef struct End {
+    double slope, bend; /* first and second derivative of the path's length along the mirror, at the end */
+    double length;      /* of the path by the end */
+} End;
+
+/* The loudness of a path, or silence where the sensor cannot hear it. */
+static Echo echo_of_path(const UltrasonicSensor *sensor, const Transceiver *pair, const Path *path, Curvature mirror,
+                         double reflection)
+{
+    bool in_front = dot(path->incident, pair->axis) > 0.0 && dot(path->reflected, pair->receiver_axis) < 0.0;
+    bool outside = dot(path->incident, path->normal) < 0.0 && dot(path->reflected, path->normal) > 0.0;
+    if (!in_front || !outside || !(reflection > 0.0)) {
+        return silence;
+    }
+    double level = path_level(pair, *path, mirror, reflection, sensor->wave_number, sensor->absorption);
+    double there = beam_argument(path->incident, pair->axis, sensor->wave_number);
+    double back = beam_argument(path->reflected, pair->receiver_axis, sensor->wave_number);
+    return (Echo){path->time, level, 0.0, there, back};
+}
+
+/* The echo with its phasor times `factor`. */
+static Echo weighted(Echo echo, Phasor factor)
+{
+    echo.level += 0.5 * DECIBEL_PER_NEPER * log(factor.re * factor.re + factor.im * factor.im);
+    echo.phase += atan2(factor.im, factor.re);
+    return echo;
+}
+
+static Echo specular_plane(const UltrasonicSensor *sensor, const Surroundings *around, const Transceiver *pair)
+{
+    Path path = plane_path(pair, around->plane_point, around->plane_normal, sensor->speed_of_sound);
+    return echo_of_path(sensor, pair, &path, plane_curvature(), sensor->plane_reflection);
+}
+
+/* The path by a given surface point; what moves is taken where it is at the reception. */
+static Path path_by(const Transceiver *pair, Vector point, Vector normal, double time, double speed)
+{
+    Path path = {.point = point, .normal = normal};
+    Vector leg = subtract(point, pair->transmitter);
+    Vector back = subtract(add_scaled(pair->receiver, time, pair->velocity), point);
+    path.first = norm(leg);
+    path.second = norm(back);
+    path.incident = scale(1.0 / path.first, leg);
+    path.reflected = scale(1.0 / path.second, back);
+    path.time = (path.first + path.second) / speed;
+    return path;
+}
+
+/* Second derivative of the path's length along a straight line of the mirror. */
+static double straight_bend(const Path *path, Vector along)
+{
+    double first = dot(path->incident, along), second = dot(path->reflected, along);
+    return (1.0 - first * first) / path->first + (1.0 - second * second) / path->second;
+}
+
+/* Where the wall of a capsule ends, `outward` along its axis, and its cap begins. */
+static End end_of_wall(const Transceiver *pair, const Path *mirror, Vector end, Vector outward, double radius, double speed)
+{
+    Vector across = add_scaled(mirror->normal, -dot(mirror->normal, outward), outward);
+    Vector normal = scale(1.0 / norm(across), across);
+    Path path = path_by(pair, add_scaled(end, radius, normal), normal, mirror->time, speed);
+    double slope = dot(subtract(path.incident, path.reflected), outward);
+    double lit = dot(subtract(path.reflected, path.incident), normal);
+    return (End){lit > 0.0 ? slope : INFINITY, straight_bend(&path, outward), path.first + path.second};
+}
+
+/* What the far side of an end, bent by `bend`, is in place of the near side. Both leave the end at the
+ * same slope, so that far from the mirror point they cancel. */
+static Phasor beyond(End end, double near_bend, double far_bend, double length, double wave_number)
+{
+    double slope = fabs(end.slope) * sqrt(wave_number / PI);
+    Phasor far = end_of_mirror(slope / sqrt(far_bend)), near = end_of_mirror(slope / sqrt(near_bend));
+    double ratio = sqrt(near_bend / far_bend);
+    Phasor change = {ratio * far.re - near.re, ratio * far.im - near.im};
+    return phasor_product(change, phasor_at(-wave_number * (end.length - length)));
+}
+
+/* A capsule's wall goes over into its caps: near there both make the echo. */
+static Echo blended(const UltrasonicSensor *sensor, const Transceiver *pair, const Target *target, const Path *mirror,
+                    double share, Echo echo)
+{
+    Vector whole = subtract(target->end, target->start);
+    double size = norm(whole), k = sensor->wave_number;
+    double length = mirror->first + mirror->second;
+    double round = dot(subtract(mirror->reflected, mirror->incident), mirror->normal) / target->radius;
+    double cap_bend = 2.0 / lesser(mirror->first, mirror->second) + round;
+    Phasor factor = {1.0, 0.0};
+    bool changed = false;
+    for (int side = 0; side < 2; side++) {
+        bool on_cap = share == (double)side;
+        double away = side == 0 ? share * size : (1.0 - share) * size;
+        if (!on_cap && (share == 0.0 || share == 1.0)) {
+            continue; /* the far cap of a capsule whose near one answers */
+        }
+        Vector outward = scale(side == 0 ? -1.0 / size : 1.0 / size, whole);
+        /* quick and on the safe side: the slope there is at most what the nearest sphere would make it */
+        double least = 2.0 * away / hypot(greater(mirror->first, mirror->second), away);
+        if (least * sqrt(k / (PI * cap_bend)) > LAST_END) {
+            continue;
+        }
+        Vector center = side == 0 ? target->start : target->end;
+        End end = end_of_wall(pair, mirror, center, outward, target->radius, sensor->speed_of_sound);
+        if (isfinite(end.slope)) {
+            double cap = end.bend + round;
+            Phasor change = on_cap ? beyond(end, cap, end.bend, length, k) : beyond(end, end.bend, cap, length, k);
+            factor = phasor_sum(factor, 1.0, change);
+            changed = true;
+        }
+    }
+    return changed ? weighted(echo, factor) : echo;
+}
+
+/* On the axis of the capsule the centre of the touching ball is nearest to where the normal aims. */
+static Path target_path(const UltrasonicSensor *sensor, const Surroundings *around, const Target *target,
+                        const Transceiver *pair, Vector slide, double *share)
+{
+    double speed = sensor->speed_of_sound;
+    *share = nearest_share(target, around->middle);
+    Ball ball = {axis_point(target, *share), target->velocity, slide, target->radius};
+    Path path = ball_path_guess(pair, ball, speed);
+    double baseline = norm(subtract(pair->receiver, pair->transmitter));
+    double drift = norm(target->velocity), ear = norm(pair->velocity);
+    for (int i = 0; i < MOST_REFINEMENTS; i++) {
+        *share = nearest_share(target, path_aim(pair, path));
+        ball.center = axis_point(target, *share);
+        Path next = ball_path_refined(pair, path, ball, speed);
+        double moved = fabs(next.share - path.share) * baseline + fabs(next.bounce_time - path.bounce_time) * drift
+            + fabs(next.time - path.time) * ear;
+        path = next;
+        if (moved <= CLOSE_AIM * path.first) {
+            break;
+        }
+    }
+    return path;
+}
+
+static Echo specular_target(const UltrasonicSensor *sensor, const Surroundings *around, const Target *target,
+                            const Transceiver *pair)
+{
+    Vector whole = subtract(target->end, target->start);
+    Vector slide = vector(0.0, 0.0, 0.0);
+    double square = dot(whole, whole), share;
+    if (square > 0.0) {
+        slide = scale(dot(subtract(pair->receiver, pair->transmitter), whole) / square, whole);
+    }
+    Path path = target_path(sensor, around, target, pair, slide, &share);
+    /* a solid plane hides what lies behind it */
+    if (around->plane && dot(subtract(path.point, around->plane_point), around->plane_normal) < 0.0) {
+        return silence;
+    }
+    Curvature mirror = sphere_curvature(path, target->radius);
+    if (share > 0.0 && share < 1.0) {
+        mirror = cylinder_curvature(path, scale(1.0 / sqrt(square), whole), target->radius);
+    }
+    Echo echo = echo_of_path(sensor, pair, &path, mirror, target->reflection);
+    return square > 0.0 && isfinite(echo.time) ? blended(sensor, pair, target, &path, share, echo) : echo;
+}
+
+/* What the strip of a plane between -half and half reflects, in shares of the whole plane's, relative
+ * to the phase at the point `nearest` of the strip; the mirror point is at `place`. */
+static Phasor strip(double place, double nearest, double half, double bend, double wave_number)
+{
+    double scale_of_u = sqrt(wave_number * bend / PI);
+    double from_mirror = nearest - place;
+    Phasor sum = {nearest == place ? 1.0 : 0.0, 0.0};
+    for (int side = -1; side <= 1; side += 2) {
+        double offset = side * half - place; /* of the end from the mirror point */
+        double behind = 0.5 * bend * (offset * offset - from_mirror * from_mirror);
+        Phasor end = end_of_mirror(fabs(offset) * scale_of_u);
+        sum = phasor_sum(sum, side * offset > 0.0 ? -1.0 : 1.0, phasor_product(end, phasor_at(-wave_number * behind)));
+    }
+    return sum;
+}
+
+/* A face as a bounded plane: the mirror point, or where it is off the face, the nearest edge; both with
+ * what the edges of the face take away or add. */
+static Echo specular_face(const UltrasonicSensor *sensor, const Surroundings *around, const Transceiver *pair, int across,
+                          double side)
+{
+    const Box *box = &around->box;
+    Vector normal = scale(side, box->axis[across]);
+    Vector foot = add_scaled(box->center, box->half[across], normal);
+    bool seen = dot(subtract(pair->transmitter, foot), normal) > 0.0 && dot(subtract(pair->receiver, foot), normal) > 0.0;
+    if (!seen) {
+        return silence;
+    }
+    Path mirror = plane_path(pair, foot, normal, sensor->speed_of_sound);
+    Vector point = foot;
+    Phasor factor = {1.0, 0.0};
+    for (int i = 0; i < AXES; i++) {
+        if (i != across) {
+            double place = dot(subtract(mirror.point, foot), box->axis[i]);
+            double nearest = lesser(greater(place, -box->half[i]), box->half[i]);
+            double bend = straight_bend(&mirror, box->axis[i]);
+            factor = phasor_product(factor, strip(place, nearest, box->half[i], bend, sensor->wave_number));
+            point = add_scaled(point, nearest, box->axis[i]);
+        }
+    }
+    if (around->plane && dot(subtract(point, around->plane_point), around->plane_normal) < 0.0) {
+        return silence;
+    }
+    Path path = path_by(pair, point, normal, mirror.time, sensor->speed_of_sound);
+    Echo echo = echo_of_path(sensor, pair, &path, plane_curvature(), sensor->box_reflection);
+    return isfinite(echo.time) ? weighted(echo, factor) : echo;
+}
+
+static void add_echo(Echoes *echoes, Echo echo)
+{
+    if (isfinite(echo.time) && echoes->count < MOST_ECHOES) {
+        echoes->echo[echoes->count++] = echo;
+    }
+}
+
+/* By one pair: the sensor's own, or with one of the two mirrored at the ground. */
+static void add_echoes_of_targets(const UltrasonicSensor *sensor, const Surroundings *around, const Transceiver *pair,
+                                  double bounce_level, Echoes *echoes)
+{
+    int before = echoes->count;
+    for (int i = 0; i < around->targets; i++) {
+        add_echo(echoes, specular_target(sensor, around, &around->target[i], pair));
+    }
+    for (int face = 0; face < 2 * AXES && around->box_present; face++) {
+        add_echo(echoes, specular_face(sensor, around, pair, face / 2, face % 2 ? 1.0 : -1.0));
+    }
+    for (int i = before; i < echoes->count; i++) {
+        echoes->echo[i].level += bounce_level;
+    }
+}
+
+static Vector mirrored(const Surroundings *around, Vector point)
+{
+    double height = dot(subtract(point, around->plane_point), around->plane_normal);
+    return add_scaled(point, -2.0 * height, around->plane_normal);
+}
+
+static Vector turned_over(const Surroundings *around, Vector direction)
+{
+    return add_scaled(direction, -2.0 * dot(direction, around->plane_normal), around->plane_normal);
+}
+
+/* One bounce at the ground, on the way to a target or from it: image transmitter, image receiver. */
+static void add_multipath(const UltrasonicSensor *sensor, const Surroundings *around, Echoes *echoes)
+{
+    if (!(around->plane && sensor->multipath && sensor->plane_reflection > 0.0)) {
+        return;
+    }
+    double bounce_level = DECIBEL_PER_NEPER * log(sensor->plane_reflection);
+    Transceiver there = around->pair, back = around->pair;
+    there.transmitter = mirrored(around, there.transmitter);
+    there.axis = turned_over(around, there.axis);
+    back.receiver = mirrored(around, back.receiver);
+    back.receiver_axis = turned_over(around, back.receiver_axis);
+    back.velocity = turned_over(around, back.velocity);
+    add_echoes_of_targets(sensor, around, &there, bounce_level, echoes);
+    add_echoes_of_targets(sensor, around, &back, bounce_level, echoes);
+}
+
+static void specular_echoes(const UltrasonicSensor *sensor, const Surroundings *around, Echoes *echoes)
+{
+    if (around->plane) {
+        add_echo(echoes, specular_plane(sensor, around, &around->pair));
+    }
+    add_echoes_of_targets(sensor, around, &around->pair, 0.0, echoes);
+    add_multipath(sensor, around, echoes);
+}

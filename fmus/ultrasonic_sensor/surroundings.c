@@ -1,0 +1,116 @@
+/* UltrasonicSensor: what a ping meets, as it is at the emission. */
+#include "equations.h"
+
+#include <math.h>
+
+typedef struct Echo {
+    double time;  /* from the emission to its arrival, INFINITY for none */
+    double level; /* at its loudest */
+    double phase; /* of the carrier at the arrival */
+    double there, back; /* (x / 2)^2 of the beam on both ways */
+} Echo;
+
+static const Echo silence = {.time = INFINITY, .level = NO_ECHO_LEVEL};
+
+enum { MOST_ECHOES = 32, MOST_LATE = 8 }; /* those of one ping; those that outlive it */
+
+typedef struct Echoes {
+    Echo echo[MOST_ECHOES];
+    int count;
+} Echoes;
+
+/* Unlike fmin and fmax, no calls: what is compared here is a number. */
+static double lesser(double a, double b)
+{
+    return b < a ? b : a;
+}
+
+static double greater(double a, double b)
+{
+    return b > a ? b : a;
+}
+
+/* A capsule with its axis from start to end, or a sphere where they are equal. */
+typedef struct Target {
+    Vector start, end, velocity;
+    double radius, reflection;
+} Target;
+
+enum { MOST_TARGETS = 3, AXES = 3 };
+
+typedef struct Box {
+    Vector center, axis[AXES]; /* unit vectors */
+    double half[AXES];
+} Box;
+
+typedef struct Surroundings {
+    Transceiver pair;
+    Vector middle; /* of the pair */
+    bool plane;    /* present, with the sensor on its visible side */
+    Vector plane_point, plane_normal;
+    Target target[MOST_TARGETS];
+    int targets; /* present */
+    bool box_present;
+    Box box;
+} Surroundings;
+
+static Box box_of(const UltrasonicSensor *sensor)
+{
+    Rotation turn = rotation(sensor->box_orientation);
+    Vector half = scale(0.5, sensor->box_size);
+    return (Box){sensor->box_center, {turn.x, turn.y, turn.z}, {half.x, half.y, half.z}};
+}
+
+/* Absent without a radius. */
+static void add_target(Surroundings *around, Target target)
+{
+    if (target.radius > 0.0) {
+        around->target[around->targets++] = target;
+    }
+}
+
+static Surroundings surroundings_at(const UltrasonicSensor *sensor, double emission)
+{
+    Surroundings around;
+    Rotation turn = rotation(sensor->orientation);
+    Vector half = scale(0.5 * sensor->baseline, turn.y);
+    Vector middle = add_scaled(sensor->position, emission - sensor->position_time, sensor->velocity);
+    Vector sphere = add_scaled(sensor->sphere_center, emission - sensor->sphere_center_time,
+                               sensor->sphere_velocity);
+    Vector rest = vector(0.0, 0.0, 0.0);
+    around.middle = middle;
+    around.pair.transmitter = add(middle, half);
+    around.pair.receiver = subtract(middle, half);
+    around.pair.axis = around.pair.receiver_axis = turn.x;
+    around.pair.velocity = sensor->velocity;
+    around.plane = dot(subtract(middle, sensor->plane_point), sensor->plane_normal) > 0.0;
+    around.plane_point = sensor->plane_point;
+    around.plane_normal = around.plane ? scale(1.0 / norm(sensor->plane_normal), sensor->plane_normal) : rest;
+    around.targets = 0;
+    add_target(&around, (Target){sphere, sphere, sensor->sphere_velocity, sensor->sphere_radius,
+                                 sensor->sphere_reflection});
+    add_target(&around, (Target){sensor->capsule_1_start, sensor->capsule_1_end, rest, sensor->capsule_1_radius,
+                                 sensor->capsule_reflection});
+    add_target(&around, (Target){sensor->capsule_2_start, sensor->capsule_2_end, rest, sensor->capsule_2_radius,
+                                 sensor->capsule_reflection});
+    Vector size = sensor->box_size;
+    around.box_present = size.x > 0.0 && size.y > 0.0 && size.z > 0.0;
+    if (around.box_present) {
+        around.box = box_of(sensor);
+    }
+    return around;
+}
+
+/* From start to end, as a share of the whole, the point of the axis nearest to `aim`. */
+static double nearest_share(const Target *target, Vector aim)
+{
+    Vector whole = subtract(target->end, target->start);
+    double square = dot(whole, whole);
+    double share = square > 0.0 ? dot(subtract(aim, target->start), whole) / square : 0.0;
+    return lesser(greater(share, 0.0), 1.0);
+}
+
+static Vector axis_point(const Target *target, double share)
+{
+    return add_scaled(target->start, share, subtract(target->end, target->start));
+}
