@@ -195,15 +195,18 @@ static inline real beam_argument(Vector direction, Vector axis, real wave_number
 }
 
 /* By how many parts the beam falls where the frequency rises by one: x J2(x) / J1(x), by its continued
- * fraction; seven parts leave less than 1e-5 up to the first zero of the beam. */
+ * fraction 4 h / (4 - 4 h / (6 - ...)) from within; seven parts leave less than 1e-5 up to the first zero
+ * of the beam. */
 static inline real piston_dispersion(real half_argument_squared)
 {
     real square = 4.0 * half_argument_squared;
-    real rest = 16.0;
+    real above = 16.0, below = 1.0;
     for (int k = 7; k > 1; k--) {
-        rest = 2.0 * k - square / rest;
+        real next = 2.0 * k * above - square * below;
+        below = above;
+        above = next;
     }
-    return square / rest;
+    return square * below / above;
 }
 
 /* Decibels relative to a plane that faces the sensor at 1 m in air without loss; `reflection` is the

@@ -55,11 +55,11 @@ static double ray_to_box(Vector origin, Vector direction, const Box *box)
     Vector offset = subtract(origin, box->center);
     for (int i = 0; i < AXES; i++) {
         double place = dot(offset, box->axis[i]), slope = dot(direction, box->axis[i]);
-        double first = (-box->half[i] - place) / slope, second = (box->half[i] - place) / slope;
-        if (slope == 0.0) {
-            first = fabs(place) <= box->half[i] ? -INFINITY : INFINITY;
-            second = -first;
+        if (slope == 0.0 && fabs(place) > box->half[i]) {
+            return INFINITY;
         }
+        /* parallel and between: from -infinity to infinity */
+        double first = (-box->half[i] - place) / slope, second = (box->half[i] - place) / slope;
         enter = greater(enter, lesser(first, second));
         leave = lesser(leave, greater(first, second));
     }

@@ -163,58 +163,83 @@ static Echo specular_target(const UltrasonicSensor *sensor, const Surroundings *
     return square > 0.0 && isfinite(echo.time) ? blended(sensor, pair, target, &path, share, echo) : echo;
 }
 
-/* What the strip of a plane between -half and half reflects, in shares of the whole plane's, relative
- * to the phase at the point `nearest` of the strip; the mirror point is at `place`. */
-static Phasor strip(double place, double nearest, double half, double bend, double wave_number)
-{
-    double scale_of_u = sqrt(wave_number * bend / PI);
-    double from_mirror = nearest - place;
-    Phasor sum = {nearest == place ? 1.0 : 0.0, 0.0};
-    for (int side = -1; side <= 1; side += 2) {
-        double offset = side * half - place; /* of the end from the mirror point */
-        double behind = 0.5 * bend * (offset * offset - from_mirror * from_mirror);
-        Phasor end = end_of_mirror(fabs(offset) * scale_of_u);
-        sum = phasor_sum(sum, side * offset > 0.0 ? -1.0 : 1.0, phasor_product(end, phasor_at(-wave_number * behind)));
-    }
-    return sum;
-}
-
-/* A face as a bounded plane: the mirror point, or where it is off the face, the nearest edge; both with
- * what the edges of the face take away or add. */
-static Echo specular_face(const UltrasonicSensor *sensor, const Surroundings *around, const Transceiver *pair, int across,
-                          double side)
-{
-    const Box *box = &around->box;
-    Vector normal = scale(side, box->axis[across]);
-    Vector foot = add_scaled(box->center, box->half[across], normal);
-    bool seen = dot(subtract(pair->transmitter, foot), normal) > 0.0 && dot(subtract(pair->receiver, foot), normal) > 0.0;
-    if (!seen) {
-        return silence;
-    }
-    Path mirror = plane_path(pair, foot, normal, sensor->speed_of_sound);
-    Vector point = foot;
-    Phasor factor = {1.0, 0.0};
-    for (int i = 0; i < AXES; i++) {
-        if (i != across) {
-            double place = dot(subtract(mirror.point, foot), box->axis[i]);
-            double nearest = lesser(greater(place, -box->half[i]), box->half[i]);
-            double bend = straight_bend(&mirror, box->axis[i]);
-            factor = phasor_product(factor, strip(place, nearest, box->half[i], bend, sensor->wave_number));
-            point = add_scaled(point, nearest, box->axis[i]);
-        }
-    }
-    if (around->plane && dot(subtract(point, around->plane_point), around->plane_normal) < 0.0) {
-        return silence;
-    }
-    Path path = path_by(pair, point, normal, mirror.time, sensor->speed_of_sound);
-    Echo echo = echo_of_path(sensor, pair, &path, plane_curvature(), sensor->box_reflection);
-    return isfinite(echo.time) ? weighted(echo, factor) : echo;
-}
-
 static void add_echo(Echoes *echoes, Echo echo)
 {
     if (isfinite(echo.time) && echoes->count < MOST_ECHOES) {
         echoes->echo[echoes->count++] = echo;
+    }
+}
+
+/* A part of what a strip between -half and half reflects: its mirror point, if it has it, or an end. */
+typedef struct Part {
+    double place;
+    double sign; /* of an end: -1 where it takes from the mirror point's echo, 1 where it is all there is; else 0 */
+} Part;
+
+enum { MOST_PARTS = 3 };
+
+static int parts_of_strip(double mirror, double half, Part parts[MOST_PARTS])
+{
+    int count = 0;
+    if (fabs(mirror) < half) {
+        parts[count++] = (Part){mirror, 0.0};
+    }
+    parts[count++] = (Part){-half, mirror > -half ? -1.0 : 1.0};
+    parts[count++] = (Part){half, mirror < half ? -1.0 : 1.0};
+    return count;
+}
+
+static Phasor part_weight(const Path *path, Vector along, double bend, double sign, double wave_number)
+{
+    double slope = dot(subtract(path->incident, path->reflected), along);
+    Phasor end = end_of_mirror(fabs(slope) * sqrt(wave_number / (PI * bend)));
+    return sign == 0.0 ? (Phasor){1.0, 0.0} : (Phasor){sign * end.re, sign * end.im};
+}
+
+#define FAINT_PART 1e-6 /* of the plane's power */
+
+/* The echo by a point of a face where its sides along `a` and `b` have their mirror point or end. */
+static Echo echo_of_part(const UltrasonicSensor *sensor, const Transceiver *pair, const Path *path, Vector a, Vector b,
+                         double sign_a, double sign_b)
+{
+    double bend_a = straight_bend(path, a), bend_b = straight_bend(path, b);
+    Phasor weight = phasor_product(part_weight(path, a, bend_a, sign_a, sensor->wave_number),
+                                   part_weight(path, b, bend_b, sign_b, sensor->wave_number));
+    /* Kirchhoff's obliquity over the size of the zone that answers; 1 at the mirror point */
+    double oblique = 0.5 * dot(subtract(path->reflected, path->incident), path->normal);
+    double factor = oblique * (1.0 / path->first + 1.0 / path->second) / sqrt(bend_a * bend_b);
+    weight = (Phasor){factor * weight.re, factor * weight.im};
+    Echo echo = echo_of_path(sensor, pair, path, plane_curvature(), sensor->box_reflection);
+    bool faint = weight.re * weight.re + weight.im * weight.im < FAINT_PART;
+    return faint || !isfinite(echo.time) ? silence : weighted(echo, weight);
+}
+
+/* A face as a bounded plane: its mirror point, its edges and its corners, each where and when it is. */
+static void add_face(const UltrasonicSensor *sensor, const Surroundings *around, const Transceiver *pair, int across,
+                     double side, Echoes *echoes)
+{
+    const Box *box = &around->box;
+    int first = (across + 1) % AXES, second = (across + 2) % AXES;
+    Vector a = box->axis[first], b = box->axis[second];
+    Vector normal = scale(side, box->axis[across]);
+    Vector foot = add_scaled(box->center, box->half[across], normal);
+    bool seen = dot(subtract(pair->transmitter, foot), normal) > 0.0 && dot(subtract(pair->receiver, foot), normal) > 0.0;
+    if (!seen) {
+        return;
+    }
+    Path mirror = plane_path(pair, foot, normal, sensor->speed_of_sound);
+    Vector offset = subtract(mirror.point, foot);
+    Part along_a[MOST_PARTS], along_b[MOST_PARTS];
+    int count_a = parts_of_strip(dot(offset, a), box->half[first], along_a);
+    int count_b = parts_of_strip(dot(offset, b), box->half[second], along_b);
+    for (int i = 0; i < count_a * count_b; i++) {
+        Part at_a = along_a[i % count_a], at_b = along_b[i / count_a];
+        Vector point = add_scaled(add_scaled(foot, at_a.place, a), at_b.place, b);
+        bool hidden = around->plane && dot(subtract(point, around->plane_point), around->plane_normal) < 0.0;
+        if (!hidden) {
+            Path path = path_by(pair, point, normal, mirror.time, sensor->speed_of_sound);
+            add_echo(echoes, echo_of_part(sensor, pair, &path, a, b, at_a.sign, at_b.sign));
+        }
     }
 }
 
@@ -227,7 +252,7 @@ static void add_echoes_of_targets(const UltrasonicSensor *sensor, const Surround
         add_echo(echoes, specular_target(sensor, around, &around->target[i], pair));
     }
     for (int face = 0; face < 2 * AXES && around->box_present; face++) {
-        add_echo(echoes, specular_face(sensor, around, pair, face / 2, face % 2 ? 1.0 : -1.0));
+        add_face(sensor, around, pair, face / 2, face % 2 ? 1.0 : -1.0, echoes);
     }
     for (int i = before; i < echoes->count; i++) {
         echoes->echo[i].level += bounce_level;

@@ -12,7 +12,7 @@ typedef struct Echo {
 
 static const Echo silence = {.time = INFINITY, .level = NO_ECHO_LEVEL};
 
-enum { MOST_ECHOES = 32, MOST_LATE = 8 }; /* those of one ping; those that outlive it */
+enum { MOST_ECHOES = 96, MOST_LATE = 8 }; /* those of one ping; those that outlive it */
 
 typedef struct Echoes {
     Echo echo[MOST_ECHOES];

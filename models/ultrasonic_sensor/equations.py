@@ -16,6 +16,7 @@ from . import air
 DECIBEL_PER_NEPER = 8.685889638065036553  # 20 / ln 10
 PISTON_RADIUS = 0.00657  # m
 PISTON_TERMS = 22  # of the series behind the first
+PARTS_OF_DISPERSION = 7
 
 NO_ECHO = -200.0  # dB
 
@@ -60,6 +61,8 @@ def equations(values: Values) -> Values:
         **_named("cylinder_curvature", cylinder_curvature(values)),
         "spreading_power": spreading_power(values),
         "piston_directivity": piston(values["half_argument_squared"]),
+        "piston_dispersion": dispersion(values["half_argument_squared"]),
+        "beam_argument": beam_argument(values["incident"], values["axis"], values["sound_wave_number"]),
         "path_level": path_level(values),
         "facing_level": DECIBEL_PER_NEPER * ca.log(2 / values["length"])
         - values["absorption_per_metre"] * values["length"],
@@ -211,6 +214,22 @@ def piston(half_argument_squared: SX) -> SX:
         term = -term * half_argument_squared / (k * (k + 1))
         total += term
     return total
+
+
+def dispersion(half_argument_squared: SX) -> SX:
+    """x J2(x) / J1(x), a convergent of its continued fraction (DLMF 10.10.1) by the recurrence of Euler and Wallis."""
+    square = 4 * half_argument_squared
+    above, below = (SX(1), SX(0)), (SX(0), SX(1))  # the last two numerators and denominators
+    for k in range(2, PARTS_OF_DISPERSION + 2):
+        numerator = square if k == 2 else -square
+        above = (above[1], 2 * k * above[1] + numerator * above[0])
+        below = (below[1], 2 * k * below[1] + numerator * below[0])
+    return above[1] / below[1]
+
+
+def beam_argument(direction: SX, axis: SX, wave_number: SX) -> SX:
+    """(k a sin / 2)^2."""
+    return (wave_number * PISTON_RADIUS / 2) ** 2 * (1 - ca.dot(direction, axis) ** 2)
 
 
 def path_level(values: Values) -> SX:

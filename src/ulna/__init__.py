@@ -9,6 +9,7 @@ _PUBLIC = {
     "UnitError": "ulna.slave",
     "Results": "ulna.results",
     "fmu": "ulna.paths",
+    "devices": "ulna.ultrasonic_devices",
 }
 
 _MODULES = ("inertia",)

@@ -43,12 +43,19 @@ def settle(sensor: Raw, announced: list[float]) -> None:
     sensor.enterStepMode()
 
 
-def with_event_mode(early_return: bool, step: float, end: float) -> Seen:
+def points_of(step: float | None, end: float) -> list[float]:
+    """Ends of steps up to `end`, all of one size but the last; None for steps of all sizes."""
+    if step is None:
+        return [*np.sort(np.random.default_rng(5).uniform(0.0, end, 40)), end]
+    return [*(step * np.arange(1, round(np.ceil(end / step - 1e-9)))), end]
+
+
+def with_event_mode(early_return: bool, step: float | None, end: float) -> Seen:
     seen = Seen({}, [], [])
     with started(eventModeUsed=True, earlyReturnAllowed=early_return) as sensor:
         settle(sensor, seen.announced)
-        time, points = 0.0, step * np.arange(1, round(end / step) + 1)
-        for point in points:
+        time = 0.0
+        for point in points_of(step, end):
             while time < point:
                 event, terminate, early, last = sensor.doStep(time, point - time)
                 assert not terminate
@@ -65,13 +72,41 @@ def with_event_mode(early_return: bool, step: float, end: float) -> Seen:
     return seen
 
 
-def without_event_mode(step: float, end: float, version: str = "3.0") -> dict[float, list[bytes]]:
+def without_event_mode(step: float | None, end: float, version: str = "3.0") -> dict[float, list[bytes]]:
     with started(version) as sensor:
-        rows = {}
-        for i in range(round(end / step)):
-            sensor.doStep(step * i, step * (i + 1) - step * i)
-            rows[step * (i + 1)] = outputs(sensor)
+        rows, time = {}, 0.0
+        for point in points_of(step, end):
+            sensor.doStep(time, point - time)
+            rows[point] = outputs(sensor)
+            time = point
         return rows
+
+
+def by_number(rows: dict[float, list[bytes]]) -> dict[int, list[bytes]]:
+    """What was read after each ping, by its number; all that was read of one ping is the same."""
+    numbered = {}
+    for row in rows.values():
+        values = [row[0], row[1], row[2], row[3], bool(row[4][0]), row[6]]  # a Boolean of FMI 2 has four bytes
+        assert numbered.setdefault(int(np.frombuffer(row[5], np.int32)[0]), values) == values
+    return numbered
+
+
+MODES = {
+    "FMI 2.0": lambda step: without_event_mode(step, 0.5, "2.0"),
+    "FMI 3.0": lambda step: without_event_mode(step, 0.5),
+    "event mode": lambda step: with_event_mode(False, step, 0.5).rows,
+    "early return": lambda step: with_event_mode(True, step, 0.5).rows,
+}
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("step", [0.001, 0.007, 0.1, None])
+def test_every_mode_hears_the_same_pings_at_any_step(mode, step):
+    pings = by_number(without_event_mode(0.001, 0.5))
+    seen = by_number(MODES[mode](step))
+    assert len(pings) == 0.5 // PERIOD + 2  # and the state before the first
+    assert max(seen) == max(pings)
+    assert all(seen[number] == pings[number] for number in seen)
 
 
 @pytest.mark.parametrize("step", [0.01, 0.025, 0.07, 0.5])

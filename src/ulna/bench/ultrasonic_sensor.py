@@ -1,6 +1,6 @@
 """UltrasonicSensor: what a ping costs at each fidelity, how exact its distance is, and how far it hears."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from functools import partial
 
 import numpy as np
@@ -38,7 +38,14 @@ def capsule(distance: float, angle: float = 0.0, radius: float = RADIUS) -> dict
     return {"capsule_1_start": center - half, "capsule_1_end": center + half, "capsule_1_radius": radius}
 
 
-TARGETS = {"plane": plane, "sphere": sphere, "capsule": capsule}
+def box(distance: float, angle: float = 0.0) -> dict:
+    """A cube whose face is turned to the sensor, `distance` away."""
+    turn = {"box_orientation": [np.cos(angle / 2), 0.0, -np.sin(angle / 2), 0.0]}
+    return turn | {"box_center": (distance + RADIUS) * direction(angle), "box_size": [2 * RADIUS] * 3}
+
+
+TARGETS = {"plane": plane, "sphere": sphere, "capsule": capsule, "box": box}
+SEVERAL = {**plane(REACH, ASIDE), **sphere(REACH - 0.1, ASIDE), **capsule(REACH - 0.2, ASIDE)}
 
 
 def heard(fidelity: str, read: str, values: dict) -> float:
@@ -48,27 +55,65 @@ def heard(fidelity: str, read: str, values: dict) -> float:
         return sensor.get(read)
 
 
-def speed_and_accuracy(fidelities: list[str], rounds: int) -> Table:
-    """Many pings in one step, for each kind of target."""
+def mujoco_rays() -> dict[Hashable, Callable[[], None]]:
+    """As many rays as pings in one call of MuJoCo, for each kind of target; nothing where it is not installed."""
+    try:
+        import mujoco
+    except ModuleNotFoundError:
+        return {}
+    shapes = {"plane": 'plane" size="5 5 1', "sphere": 'sphere" size="0.1', "capsule": 'capsule" size="0.1 0.5'}
+    shapes["box"] = 'box" size="0.1 0.1 0.1'
+    calls = {}
+    for target, shape in shapes.items():
+        place = 'pos="0.5 0 0" euler="0 -90 0"' if target == "plane" else 'pos="0.6 0 0"'
+        geom = f'<geom type="{shape}" {place}/>'
+        model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{geom}</worldbody></mujoco>")
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        rays, geoms = np.tile([1.0, 0.0, 0.0], PINGS), np.zeros(PINGS, np.int32)
+        lengths = np.zeros(PINGS)
+        arguments = (model, data, np.zeros(3), rays, None, True, -1, geoms, lengths, None, PINGS, 1e3)
+        mujoco.mj_multiRay(*arguments)
+        if abs(lengths[-1] - REACH) > 1e-9:
+            raise ValueError(f"MuJoCo's ray to the {target} is {lengths[-1]} m long, not {REACH}")
+        calls["MuJoCo mj_multiRay", target] = partial(mujoco.mj_multiRay, *arguments)
+    return calls
+
+
+def speed_and_accuracy(fidelities: list[str], rounds: int) -> list[Table]:
+    """Many pings in one step, for each kind of target; the second table puts what they cost beside MuJoCo's rays."""
     calls = {}
     for fidelity in fidelities:
         for target, placed in TARGETS.items():
             sensor = started("UltrasonicSensor", fidelity=fidelity, period=PERIOD, **placed(REACH, ASIDE))
             calls[fidelity, target] = repeated_step(sensor, PINGS * PERIOD)
-    cost = side_by_side(calls, rounds)
-    rows = []
-    for (fidelity, target), (seconds, ratio) in cost.items():
+    several = started("UltrasonicSensor", period=PERIOD, **SEVERAL)
+    extra = {("specular", "first three together"): repeated_step(several, PINGS * PERIOD)}
+    nothing = started("UltrasonicSensor", period=PERIOD, maximum_range=1.0)
+    extra["specular", "none"] = repeated_step(nothing, PINGS * PERIOD)
+    cost = side_by_side(calls | extra | mujoco_rays(), rounds)
+    rows, beside = [], []
+    cheapest = min(cost[name][0] for name in calls)
+    for name, (seconds, _) in cost.items():
+        fidelity, target = name
+        figures = (f"{fidelity}: {target}", seconds / PINGS * 1e9, seconds / cheapest)
+        if name not in calls:
+            beside.append(figures)
+            continue
         errors = [
             abs(heard(fidelity, "distance", EXACT | TARGETS[target](REACH, angle)) - REACH) for angle in (0.0, ASIDE)
         ]
-        rows.append((f"{fidelity}: {target}", seconds / PINGS * 1e9, ratio, *errors))
-    return Table(
+        rows.append((*figures, *errors))
+    first = Table(
         "UltrasonicSensor: fidelities",
         f"One doStep of {PINGS} pings, target {REACH:g} m away. Errors of the distance against the image source, the "
         f"target straight ahead and {np.degrees(ASIDE):g} degrees aside (a plane: tilted).",
         ("fidelity: target", "ns a ping", "ratio", "error ahead, m", "error aside, m"),
         rows,
     )
+    note = "In the same run: three targets at a time, no target, and rays along the axis, many in one call."
+    second = Table("UltrasonicSensor: beside", note, ("what", "ns a ping or ray", "ratio"), beside)
+    return [first, second]
 
 
 def moving_targets(fidelities: list[str]) -> Table:
@@ -133,4 +178,4 @@ def hearing() -> Table:
 def bench(rounds: int) -> list[Table]:
     """Time and errors of each fidelity, and what the default sensor hears."""
     fidelities = choices("UltrasonicSensor", "fidelity")
-    return [speed_and_accuracy(fidelities, rounds), moving_targets(fidelities), hearing()]
+    return [*speed_and_accuracy(fidelities, rounds), moving_targets(fidelities), hearing()]

@@ -26,7 +26,8 @@ from .textbook import load_model
 
 STEP_FILES = ("solvers.c", "splitting.c")
 PATH_FILES = ("geometric.c", "moser_veselov_series.h", "taylor.c", "adaptive.c", "exact.c", "elliptic.c")
-UNIT_FILES = ("vector.h", "equations.h", "motion.h", "rings.h", "vertices.h", *STEP_FILES, *PATH_FILES)
+SKIN_FILES = ("motion.h", "rings.h", "vertices.h")
+UNIT_FILES = ("vector.h", "equations.h", "paths.h", *SKIN_FILES, *STEP_FILES, *PATH_FILES)
 """What is traced, the PATH_FILES along a path only; the rest of an FMU's C is judged as built."""
 
 

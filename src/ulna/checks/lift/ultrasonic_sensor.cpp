@@ -94,6 +94,12 @@ static void lift_levels()
     });
     lift_function("piston_directivity",
                   [](Lift &lift) { return piston_directivity(lift.symbols<Real>("half_argument_squared")); });
+    lift_function("piston_dispersion",
+                  [](Lift &lift) { return piston_dispersion(lift.symbols<Real>("half_argument_squared")); });
+    lift_function("beam_argument", [](Lift &lift) {
+        Vector direction = lift.symbols<Vector>("incident"), axis = lift.symbols<Vector>("axis");
+        return beam_argument(direction, axis, lift.symbols<Real>("sound_wave_number"));
+    });
     lift_function("facing_level", [](Lift &lift) {
         Real length = lift.symbols<Real>("length");
         return facing_level(length, lift.symbols<Real>("absorption_per_metre"));
