@@ -37,7 +37,8 @@ static double excess_of(double eta)
     if (fabs(eta) < 0.2) {
         return sum;
     }
-    double mu = sum > -0.8 ? sum : greater(sum, exp(-1.0 - 0.5 * eta * eta) - 1.0); /* where ln(1 + mu) >= -1 - eta^2 / 2 */
+    /* ln(1 + mu) >= -1 - eta^2 / 2 */
+    double mu = sum > -0.8 ? sum : greater(sum, exp(-1.0 - 0.5 * eta * eta) - 1.0);
     double change = mu;
     for (int i = 0; i < 20 && fabs(change) > 1e-7 * fabs(mu); i++) {
         change = (mu - log(1.0 + mu) - 0.5 * eta * eta) * (1.0 + mu) / mu;
