@@ -7,7 +7,7 @@ from pathlib import Path
 
 from .driver import compiler
 
-PACKAGES = ("ulna", "mujoco", "scipy", "casadi", "ecospy", "fmpy", "numpy")
+PACKAGES = ("ulna", "mujoco", "scipy", "casadi", "ecospy", "fmpy", "numpy", "libigl", "usd-core")
 
 
 def machine() -> dict[str, str]:

@@ -1,0 +1,83 @@
+"""What the skins are held to, from one run."""
+
+from collections.abc import Iterator, Sequence
+from itertools import takewhile
+from math import cos, radians
+
+from ..bench.skinning import SPOKES
+from .skin_measuring import Cost, Shape
+from .statements import Statement
+
+LOST = {"flexion": 9 / 70, "twist": 9 / 35}
+"""Of the zone's volume by the linear blend, times 1 - cos theta: closed forms for the smoothstep weights."""
+VOLUME, BULGE, STRETCH = 0.05, 1.1, 4.0
+"""From which a shape is not sound; nor is one with a fold. No smooth method stretches an edge more than 2.6 times."""
+NEARLY_A_LINE = 1e-3
+"""Of a section: normals of what is smaller hang on the last digits of the positions."""
+
+
+def sound_up_to(shapes: Sequence[Shape], name: str, bend: str) -> float:
+    """Degrees up to which all measured angles have volume, bulge and stretch within bounds, and no fold."""
+    own = sorted((s for s in shapes if (s.name, s.bend) == (name, bend)), key=lambda s: s.angle)
+    return max((s.angle for s in takewhile(is_sound, own)), default=0.0)
+
+
+def is_sound(shape: Shape) -> bool:
+    """Whether nothing is lost, bulged, torn or folded."""
+    kept = abs(shape.volume_error) < VOLUME and shape.bulge < BULGE
+    return kept and shape.stretch < STRETCH and shape.fold_fraction == 0.0
+
+
+def skin_statements(costs: Sequence[Cost], shapes: Sequence[Shape], vertices: int) -> list[Statement]:
+    """All that costs and shapes of meshes of so many vertices say."""
+    return [*closed_forms(shapes, vertices), *normals(shapes), *ordering(shapes), *speed(costs)]
+
+
+def closed_forms(shapes: Sequence[Shape], vertices: int) -> Iterator[Statement]:
+    """Volume and section of the linear blend."""
+    bands = vertices // SPOKES // 4 * 2
+    own = [s for s in shapes if s.name == "linear_blend"]
+    for bend, lost in LOST.items():
+        off = max(abs(s.volume_error + lost * (1 - cos(radians(s.angle)))) for s in own if s.bend == bend)
+        claim = f"linear_blend, {bend}: volume loss to {'9/70' if bend == 'flexion' else '9/35'} (1 - cos)"
+        yield Statement(claim, off, 1.5 / bands**2, True, f"{bands} bands of rings in the zone")
+    for bend, power in (("flexion", 1), ("twist", 2)):
+        off = max(abs(s.section - cos(radians(s.angle / 2)) ** power) for s in own if s.bend == bend)
+        yield Statement(f"linear_blend, {bend}: least section to cos{'²' * (power - 1)}(angle/2)", off, 1e-12, True)
+
+
+def normals(shapes: Sequence[Shape]) -> Iterator[Statement]:
+    """Of our own methods, all of them, and of those who only turn the rest's."""
+    own = [s for s in shapes if not s.peer and s.section > NEARLY_A_LINE]
+    worst = max(own, key=lambda s: s.normal_error)
+    note = f"{worst.name} at {worst.angle:g} degrees of {worst.bend}"
+    yield Statement("normals, every method: mean error in the zone, degrees", worst.normal_error, 1e-3, True, note)
+    usual = max(s.normal_error for s in shapes if s.peer and s.bend == "flexion" and s.normal_error is not None)
+    yield Statement("normals turned, not deformed, as in the peers: the same, degrees", usual, 10.0, False)
+
+
+def ordering(shapes: Sequence[Shape]) -> Iterator[Statement]:
+    """What `compensated` is for, at the largest flexion and at 90 degrees."""
+    flexion = {(s.name, s.angle): s for s in shapes if s.bend == "flexion"}
+    for angle in (90.0, 150.0):
+        ours, hinge = flexion["compensated", angle], flexion["hinge", angle]
+        yield Statement(f"compensated, flexion {angle:g}: volume error", abs(ours.volume_error), 0.003, True)
+        claim = f"compensated, flexion {angle:g}: bulge over radius, to that of hinge"
+        yield Statement(claim, (ours.bulge - 1) / (hinge.bulge - 1), 0.7, True, f"{ours.bulge:.3f}, {hinge.bulge:.3f}")
+
+
+PEER_BOUNDS = {"NumPy, linear blend": 8.0, "UsdSkel, linear blend": 8.0, "UsdSkel, dual quaternion": 15.0}
+
+
+def speed(costs: Sequence[Cost]) -> Iterator[Statement]:
+    """Of the dual quaternions to the linear blend, and of the peers that give normals to the same method."""
+    own = {cost.name: 1e9 * cost.seconds for cost in costs}
+    pair = own["dual_quaternion"], own["linear_blend"]
+    note = "{:.2f} and {:.2f} ns".format(*pair)
+    yield Statement("a vertex of dual_quaternion over one of linear_blend", pair[0] / pair[1], 1.6, True, note)
+    for cost in costs:
+        if cost.name in PEER_BOUNDS:
+            pair = own[cost.name], own[cost.method]
+            note = "{:.3g} and {:.2f} ns, positions and normals".format(*pair)
+            claim = f"a vertex of {cost.name}, over one of {cost.method}"
+            yield Statement(claim, pair[0] / pair[1], PEER_BOUNDS[cost.name], False, note)
