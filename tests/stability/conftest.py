@@ -2,7 +2,7 @@
 
 import pytest
 
-from ulna.stability import measure, measure_coupling
+from ulna.stability import measure, measure_coupling, measure_skin
 
 
 @pytest.fixture(scope="session")
@@ -13,3 +13,8 @@ def found() -> dict:
 @pytest.fixture(scope="session")
 def coupled() -> dict:
     return measure_coupling(quick=True)
+
+
+@pytest.fixture(scope="session")
+def skins() -> dict:
+    return measure_skin(quick=True)

@@ -1,4 +1,4 @@
-"""`python -m ulna.stability rigid-body|coupling [--quick] [--out DIR]`."""
+"""`python -m ulna.stability rigid-body|coupling|skin [--quick] [--out DIR]`."""
 
 import typer
 

@@ -16,6 +16,9 @@ from .coupling_measuring import measure_coupling
 from .coupling_picture import TITLES, VERDICTS, draw_coupling
 from .measuring import measure
 from .picture import draw
+from .skin_measuring import measure_skin
+from .skin_picture import COLUMNS as SKINS
+from .skin_picture import draw_skin
 
 COLUMNS = ("solver", "energy", "attitude", "rod: energy", "attitude", "10 000 rad/s: energy", "attitude")
 KEYS = [kind + what for kind in ("", "rod_", "fast_") for what in ("energy", "attitude")]
@@ -26,6 +29,7 @@ class Subject(StrEnum):
 
     RIGID_BODY = "rigid-body"
     COUPLING = "coupling"
+    SKIN = "skin"
 
 
 class Map(NamedTuple):
@@ -42,7 +46,7 @@ def stability(
     quick: Annotated[bool, typer.Option("--quick", help="Coarser: fewer points, limits within 10 %.")] = False,
     out: Annotated[Path, typer.Option(help="Folder to write to.")] = Path("results/stability"),
 ) -> None:
-    """Finds where each solver of the rigid bodies, or each master, fails; draws it against theory: SVG, PNG, JSON."""
+    """Finds where each solver of the rigid bodies, master or skin fails; draws it against theory: SVG, PNG, JSON."""
     made = MAPS[subject]
     found = made.measure(quick)
     out.mkdir(parents=True, exist_ok=True)
@@ -87,6 +91,18 @@ def _show_masters(found: dict[str, Any]) -> None:
     console.print(ratios)
 
 
+def _show_skins(found: dict[str, Any]) -> None:
+    table = Table("method", "h/r", "measured", "theory", title="first fold, degrees of flexion", title_justify="left")
+    for row in found["folds"]:
+        if row["method"] in SKINS:
+            table.add_row(row["method"], f"{row['ratio']:g}", _angle(row["measured"]), _angle(row["theory"]))
+    Console().print(table)
+
+
+def _angle(value: float) -> str:
+    return "none" if math.isinf(value) else f"{value:.2f}"
+
+
 def _limit(value: float | None) -> str:
     if value is None:
         return "-"
@@ -96,4 +112,5 @@ def _limit(value: float | None) -> str:
 MAPS = {
     Subject.RIGID_BODY: Map("rigid_body_stability", measure, draw, _show_solvers),
     Subject.COUPLING: Map("coupling_stability", measure_coupling, draw_coupling, _show_masters),
+    Subject.SKIN: Map("skin_stability", measure_skin, draw_skin, _show_skins),
 }
