@@ -6,6 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ulna import Scene
+from ulna.gltf import write_glb
+
 WIDTHS = {"SCALAR": 1, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 
 
@@ -43,3 +46,16 @@ def numbers(document: dict, data: bytearray, name: str, kind: type = np.float32)
         * {"SCALAR": 1, "VEC3": 3, "VEC4": 4, "MAT4": 16}[accessor(document, name)["type"]]
     )
     return np.frombuffer(data, kind, count, start)
+
+
+def exported_arm(folder: Path) -> Path:
+    """The default arm at rest, as `ulna run` exports it, but for the first joint: from the elbow to the shoulder."""
+    with Scene("arm") as scene:
+        scene.add("ArmSkin", "arm", method="linear_blend", twist_share=0.0)
+        write_glb(folder / "arm.glb", scene.run(0.1, 0.05), scene)
+
+    def to_shoulder(document, data):
+        document["nodes"][document["skins"][0]["joints"][0]]["translation"] = [0.0, 0.0, 0.0]
+        numbers(document, data, "inverseBindMatrices")[:16] = np.eye(4).ravel()
+
+    return rewritten(folder / "arm.glb", folder / "shoulder.glb", to_shoulder)
