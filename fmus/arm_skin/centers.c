@@ -7,7 +7,13 @@
  *
  * so the centre depends on w alone, and w (1 - w) divides out: it has limits at 0 and 1 as well.
  */
+#ifndef ARM_SKIN_CENTERS_C
+#define ARM_SKIN_CENTERS_C
+
 #include "mesh.h"
+
+#include <math.h>
+#include <string.h>
 
 /* Places in a table over the weight; between them cubic, its error of some 1e-10 of the zone. */
 enum { CENTER_STEPS = 256 };
@@ -51,6 +57,13 @@ static CenterNode between_nodes(CenterNode a, CenterNode b, double step, double 
     return node;
 }
 
+static CenterNode center_between(const CenterNode *table, double weight)
+{
+    double place = weight * CENTER_STEPS;
+    size_t k = place < CENTER_STEPS ? (size_t)place : CENTER_STEPS - 1;
+    return between_nodes(table[k], table[k + 1], 1.0 / CENTER_STEPS, place - (double)k);
+}
+
 /* `rigid` has no weights in between, and no use for centres. */
 static void set_centers(const ArmMesh *mesh, ArmRing *rings)
 {
@@ -61,10 +74,77 @@ static void set_centers(const ArmMesh *mesh, ArmRing *rings)
         table[k] = blended ? center_node(mesh, (double)k / CENTER_STEPS) : none;
     }
     for (size_t i = 0; i < mesh->ring_count; i++) {
-        double place = rings[i].weight * CENTER_STEPS;
-        size_t k = place < CENTER_STEPS ? (size_t)place : CENTER_STEPS - 1;
-        CenterNode node = between_nodes(table[k], table[k + 1], 1.0 / CENTER_STEPS, place - (double)k);
+        CenterNode node = center_between(table, rings[i].weight);
         rings[i].center = node.place;
         rings[i].center_rate = node.rate;
     }
 }
+
+/* The skin of one range of weights. */
+typedef struct WeightBin {
+    double area, weight, place[3]; /* the means by v (1 - v) and area */
+} WeightBin;
+
+enum { WEIGHT_BINS = 1024 };
+
+static void fill_bins(const ArmMesh *mesh, WeightBin *bins)
+{
+    memset(bins, 0, WEIGHT_BINS * sizeof *bins);
+    for (size_t t = 0; t < mesh->triangle_count; t++) {
+        MeshCorner a = mesh_corner(mesh, t, 0), b = mesh_corner(mesh, t, 1), c = mesh_corner(mesh, t, 2);
+        double ab[3] = {b.x - a.x, b.y - a.y, b.z - a.z}, ac[3] = {c.x - a.x, c.y - a.y, c.z - a.z};
+        double x = ab[1] * ac[2] - ab[2] * ac[1], y = ab[2] * ac[0] - ab[0] * ac[2], z = ab[0] * ac[1] - ab[1] * ac[0];
+        double weight = (a.weight + b.weight + c.weight) / 3.0;
+        double share = weight * (1.0 - weight) * sqrt(x * x + y * y + z * z);
+        size_t k = (size_t)(weight * (WEIGHT_BINS - 1));
+        WeightBin *bin = &bins[k < WEIGHT_BINS ? k : WEIGHT_BINS - 1];
+        bin->area += share;
+        bin->weight += share * weight;
+        bin->place[0] += share * (a.x + b.x + c.x) / 3.0;
+        bin->place[1] += share * (a.y + b.y + c.y) / 3.0;
+        bin->place[2] += share * (a.z + b.z + c.z) / 3.0;
+    }
+}
+
+/* One coordinate of the centre at a weight; where nothing is like it, the elbow. */
+static CenterNode bin_node(const WeightBin *bins, size_t axis, double weight)
+{
+    double sum = 0.0, sum_rate = 0.0, moment = 0.0, moment_rate = 0.0;
+    for (size_t k = 0; k < WEIGHT_BINS; k++) {
+        if (bins[k].area > 0.0) {
+            double away = (weight - bins[k].weight / bins[k].area) / likeness_width;
+            double likeness = exp(-away * away);
+            double likeness_rate = -2.0 * away / likeness_width * likeness;
+            sum += bins[k].area * likeness;
+            sum_rate += bins[k].area * likeness_rate;
+            moment += bins[k].place[axis] * likeness;
+            moment_rate += bins[k].place[axis] * likeness_rate;
+        }
+    }
+    CenterNode node = {0.0, 0.0};
+    if (sum > 0.0) {
+        node.place = moment / sum;
+        node.rate = (moment_rate - node.place * sum_rate) / sum;
+    }
+    return node;
+}
+
+static void set_vertex_centers(const ArmMesh *mesh, float *rows)
+{
+    WeightBin bins[WEIGHT_BINS];
+    CenterNode table[CENTER_STEPS + 1];
+    size_t n = mesh->vertex_count;
+    fill_bins(mesh, bins);
+    for (size_t axis = 0; axis < 3; axis++) {
+        for (size_t k = 0; k <= CENTER_STEPS; k++) {
+            table[k] = bin_node(bins, axis, (double)k / CENTER_STEPS);
+        }
+        for (size_t i = 0; i < n; i++) {
+            CenterNode node = center_between(table, (double)mesh->vertex_row[VERTEX_WEIGHT][i]);
+            rows[(VERTEX_CENTER_X + axis) * n + i] = (float)node.place;
+            rows[(VERTEX_CENTER_RATE_X + axis) * n + i] = (float)node.rate;
+        }
+    }
+}
+
+#endif

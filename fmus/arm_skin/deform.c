@@ -5,13 +5,18 @@
  */
 #include "motion.h"
 #include "rings.h"
+#include "vertices.h"
 
 typedef enum SkinRow { SKIN_VERTICES, SKIN_NORMALS } SkinRow;
 
 INLINED void deform_by(int method, SkinRow row, const SkinMotion *motion, bool wound, bool twisted, const ArmMesh *mesh,
                        float *out)
 {
-    if (row == SKIN_VERTICES) {
+    if (mesh->triangle_count && row == SKIN_VERTICES) {
+        each_vertex(method, motion, wound, twisted, mesh, out);
+    } else if (mesh->triangle_count) {
+        each_normal(method, motion, wound, twisted, mesh, out);
+    } else if (row == SKIN_VERTICES) {
         ring_vertices(method, motion, wound, twisted, mesh, out);
     } else {
         ring_normals(method, motion, wound, twisted, mesh, out);

@@ -58,14 +58,14 @@ static inline Skinning arm_skin_skinning(const ArmSkin *skin, const ArmMesh *mes
     return skinning;
 }
 
-/* `center`: of rotation, along the bone. */
-static inline Vector arm_skin_point(const Skinning *skinning, double weight, double center, Vector point)
+/* `center`: of rotation. */
+static inline Vector arm_skin_point(const Skinning *skinning, double weight, Vector center, Vector point)
 {
     switch (skinning->method) {
     case ARM_SKIN_METHOD_HINGE: return hinge_point(skinning->bend, weight, point);
     case ARM_SKIN_METHOD_DUAL_QUATERNION: return dual_quaternion_point(skinning->bend, weight, point);
     case ARM_SKIN_METHOD_CENTER_OF_ROTATION:
-        return center_of_rotation_point(skinning->bend, weight, vector(center, 0.0, 0.0), point);
+        return center_of_rotation_point(skinning->bend, weight, center, point);
     case ARM_SKIN_METHOD_COMPENSATED:
         return compensated_point(skinning->bend, weight, skinning->half_width, skinning->widening, point);
     default: return linear_blend_point(skinning->bend, weight, point);
@@ -75,9 +75,10 @@ static inline Vector arm_skin_point(const Skinning *skinning, double weight, dou
 static inline void deform_ring(const Skinning *skinning, const ArmMesh *mesh, size_t index, DeformedRing *deformed)
 {
     const ArmRing *ring = &mesh->rings[index];
-    Vector center = arm_skin_point(skinning, ring->weight, ring->center, vector(ring->x, 0.0, 0.0));
-    Vector on_first = arm_skin_point(skinning, ring->weight, ring->center, vector(ring->x, ring->radius, 0.0));
-    Vector on_second = arm_skin_point(skinning, ring->weight, ring->center, vector(ring->x, 0.0, ring->radius));
+    Vector turns_about = vector(ring->center, 0.0, 0.0);
+    Vector center = arm_skin_point(skinning, ring->weight, turns_about, vector(ring->x, 0.0, 0.0));
+    Vector on_first = arm_skin_point(skinning, ring->weight, turns_about, vector(ring->x, ring->radius, 0.0));
+    Vector on_second = arm_skin_point(skinning, ring->weight, turns_about, vector(ring->x, 0.0, ring->radius));
     RingFrame frame = {center, subtract(on_first, center), subtract(on_second, center)};
     deformed->frame = frame;
     for (size_t k = 0; k <= RING_VERTICES; k++) {
@@ -147,11 +148,9 @@ static inline real largest_growth(const ArmMesh *mesh, size_t first_ring, const 
     return largest;
 }
 
-static inline void arm_skin_measures(ArmSkin *skin, const void *workspace)
+static inline void measure_rings(ArmSkin *skin, const ArmMesh *mesh, Skinning skinning)
 {
-    const ArmMesh *mesh = workspace;
-    Bend bend = arm_skin_motion(skin).bend;
-    Skinning skinning = arm_skin_skinning(skin, mesh, bend);
+    Bend bend = skinning.bend;
     DeformedRing pair[2];
     size_t inverted = 0;
     real gap = -INFINITY;
@@ -182,6 +181,20 @@ static inline void arm_skin_measures(ArmSkin *skin, const void *workspace)
     skin->minimum_section_ratio = smallest;
     skin->elbow_gap = gap;
     skin->fold_fraction = (double)inverted / (double)(2 * mesh->vertex_count - UNUSED_TRIANGLES);
+}
+
+#include "triangles.h"
+
+static inline void arm_skin_measures(ArmSkin *skin, const void *workspace)
+{
+    const ArmMesh *mesh = workspace;
+    Bend bend = arm_skin_motion(skin).bend;
+    Skinning skinning = arm_skin_skinning(skin, mesh, bend);
+    if (mesh->triangle_count) {
+        measure_triangles(skin, mesh, skinning);
+    } else {
+        measure_rings(skin, mesh, skinning);
+    }
 }
 
 #endif

@@ -6,6 +6,7 @@
  */
 #include "equations.h"
 #include "centers.c"
+#include "imported.c"
 #include "profile.c"
 
 /* Steps between rings: shoulder's end, straight, half of the zone (twice), straight, hand's end. */
@@ -150,13 +151,21 @@ static void place_nodes(const ArmSkin *skin, ZoneNode *node)
 
 static size_t arm_skin_workspace_size(const ArmSkin *skin)
 {
+    if (skin->imported) {
+        return imported_size(skin);
+    }
     return sizeof(ArmMesh) + arm_skin_ring_count(skin) * (sizeof(ArmRing) + RING_ROWS * sizeof(float));
 }
 
 /* The mesh, its rings and its rows lie in the workspace one after the other. */
-static void arm_skin_prepare(const ArmSkin *skin, void *workspace)
+static Status arm_skin_prepare(const ArmSkin *skin, const char *resources, void *workspace, Log *log)
 {
     ArmMesh *mesh = workspace;
+    if (skin->imported) {
+        Status status = prepare_imported(skin, resources, mesh, log);
+        place_nodes(skin, mesh->node);
+        return status;
+    }
     RingPlan plan = arm_skin_plan(skin);
     mesh->vertex_count = (size_t)skin->vertex_count;
     mesh->ring_count = arm_skin_ring_count(skin);
@@ -195,6 +204,8 @@ static void arm_skin_prepare(const ArmSkin *skin, void *workspace)
         mesh->zone_volume += mesh->unit_ring_area * (a * a + a * b + b * b) / 3.0 * (rings[i + 1].x - rings[i].x);
     }
     fill_rows(mesh, rows);
+    mesh->triangle_count = 0;
+    return STATUS_OK;
 }
 
 static int32_t *put_triangle(int32_t *corner, size_t a, size_t b, size_t c)
@@ -208,6 +219,10 @@ static int32_t *put_triangle(int32_t *corner, size_t a, size_t b, size_t c)
 /* The bands between rings as `measure_band` splits them, then the flat ends, then what is unused. */
 static void fill_triangles(const ArmMesh *mesh, int32_t *corner)
 {
+    if (mesh->triangle_count) {
+        fill_imported_triangles(mesh, corner);
+        return;
+    }
     size_t last = mesh->vertex_count - RING_VERTICES;
     for (size_t before = 0; before < last; before += RING_VERTICES) {
         size_t after = before + RING_VERTICES;
@@ -230,6 +245,6 @@ static void fill_triangles(const ArmMesh *mesh, int32_t *corner)
 static void fill_weights(const ArmMesh *mesh, float *weight)
 {
     for (size_t v = 0; v < mesh->vertex_count; v++) {
-        weight[v] = mesh->ring_row[RING_WEIGHT][v / RING_VERTICES];
+        weight[v] = mesh->triangle_count ? mesh->vertex_row[VERTEX_WEIGHT][v] : mesh->ring_row[RING_WEIGHT][v / RING_VERTICES];
     }
 }

@@ -7,9 +7,11 @@
 #ifndef ARM_SKIN_MESH_H
 #define ARM_SKIN_MESH_H
 
+#include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
-enum { RING_VERTICES = 32, UNUSED_TRIANGLES = 4, ZONE_NODES = 24 };
+enum { RING_VERTICES = 32, UNUSED_TRIANGLES = 4, LEAST_RINGS = 16, ZONE_NODES = 24 };
 
 typedef struct ArmRing {
     double x;                       /* along the bone, from the elbow, m */
@@ -63,8 +65,32 @@ typedef struct ArmMesh {
     const ArmRing *rings;
     const float *ring_row[RING_ROWS];
     const float *vertex_row[VERTEX_ROWS];
+    size_t triangle_count; /* of a mesh that is no stack of rings; 0 where it is */
+    const int32_t *triangle;
     float spoke_y[RING_VERTICES], spoke_z[RING_VERTICES]; /* cosine and sine again */
 } ArmMesh;
+
+typedef struct MeshCorner {
+    double x, y, z, weight;
+} MeshCorner;
+
+static inline MeshCorner mesh_corner(const ArmMesh *mesh, size_t triangle, size_t k)
+{
+    size_t v = (size_t)mesh->triangle[3 * triangle + k];
+    MeshCorner corner = {(double)mesh->vertex_row[VERTEX_X][v], (double)mesh->vertex_row[VERTEX_X + 1][v],
+                         (double)mesh->vertex_row[VERTEX_X + 2][v], (double)mesh->vertex_row[VERTEX_WEIGHT][v]};
+    return corner;
+}
+
+/* A triangle whose corners all follow one and the same bone moves as it does. */
+static inline bool triangle_bends(const ArmMesh *mesh, size_t triangle)
+{
+    double sum = 0.0;
+    for (size_t k = 0; k < 3; k++) {
+        sum += mesh_corner(mesh, triangle, k).weight;
+    }
+    return sum > 0.0 && sum < 3.0;
+}
 
 /* Between two neighbouring rings lie quadrilaterals k of corners k and k + 1 on each; each is cut
  * in two along a diagonal, left and right in turn so that the mesh is its own mirror image. */

@@ -10,6 +10,13 @@
 /* Whole rings; and outside the round ends both bones are longer than their half of the blend zone. */
 static Status arm_skin_check(const ArmSkin *skin, Log *log)
 {
+    if (skin->imported) {
+        return STATUS_OK;
+    }
+    if (skin->vertex_count < LEAST_RINGS * RING_VERTICES) {
+        return report(log, STATUS_ERROR, "vertex_count = %" PRIu64 " is too coarse; allowed range: at least %d",
+                      skin->vertex_count, LEAST_RINGS * RING_VERTICES);
+    }
     uint64_t extra = skin->vertex_count % RING_VERTICES;
     if (extra != 0) {
         uint64_t below = skin->vertex_count - extra;

@@ -26,7 +26,6 @@ const char *fmi2GetVersion(void)
 fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID, fmi2String fmuResourceLocation,
                               const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean loggingOn)
 {
-    (void)fmuResourceLocation;
     (void)visible;
     if (!functions) {
         return NULL;
@@ -46,7 +45,8 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
         report(&log, STATUS_ERROR, "%s has no continuous states: it is for co-simulation only", unit.name);
         return NULL;
     }
-    return instance_create(fmuType == fmi2CoSimulation ? CO_SIMULATION : MODEL_EXCHANGE, instanceName, fmuGUID, log);
+    Kind kind = fmuType == fmi2CoSimulation ? CO_SIMULATION : MODEL_EXCHANGE;
+    return instance_create(kind, instanceName, fmuGUID, fmuResourceLocation, log);
 }
 
 void fmi2FreeInstance(fmi2Component c)

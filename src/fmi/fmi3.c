@@ -34,8 +34,8 @@ const char *fmi3GetVersion(void)
     return fmi3Version;
 }
 
-static Instance *instantiate(Kind kind, fmi3String name, fmi3String token, bool logging, fmi3InstanceEnvironment environment,
-                             fmi3LogMessageCallback logger)
+static Instance *instantiate(Kind kind, fmi3String name, fmi3String token, fmi3String resources, bool logging,
+                             fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger)
 {
     Log log = {
         .send = send_fmi3,
@@ -43,14 +43,13 @@ static Instance *instantiate(Kind kind, fmi3String name, fmi3String token, bool 
         .environment = environment,
         .categories = logging ? LOG_ALL : LOG_ERRORS | LOG_WARNINGS,
     };
-    return instance_create(kind, name, token, log);
+    return instance_create(kind, name, token, resources, log);
 }
 
 fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
                                           fmi3Boolean visible, fmi3Boolean loggingOn,
                                           fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage)
 {
-    (void)resourcePath;
     (void)visible;
     if (!unit.state_count) {
         if (logMessage) {
@@ -59,7 +58,8 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
         }
         return NULL;
     }
-    return instantiate(MODEL_EXCHANGE, instanceName, instantiationToken, loggingOn, instanceEnvironment, logMessage);
+    return instantiate(MODEL_EXCHANGE, instanceName, instantiationToken, resourcePath, loggingOn, instanceEnvironment,
+                       logMessage);
 }
 
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
@@ -69,13 +69,12 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          size_t nRequiredIntermediateVariables, fmi3InstanceEnvironment instanceEnvironment,
                                          fmi3LogMessageCallback logMessage, fmi3IntermediateUpdateCallback intermediateUpdate)
 {
-    (void)resourcePath;
     (void)visible;
     (void)requiredIntermediateVariables;
     (void)nRequiredIntermediateVariables;
     (void)intermediateUpdate;
-    Instance *self =
-        instantiate(CO_SIMULATION, instanceName, instantiationToken, loggingOn, instanceEnvironment, logMessage);
+    Instance *self = instantiate(CO_SIMULATION, instanceName, instantiationToken, resourcePath, loggingOn,
+                                 instanceEnvironment, logMessage);
     if (self) {
         self->event_mode_used = eventModeUsed;
         self->early_return_allowed = earlyReturnAllowed;

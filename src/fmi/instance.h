@@ -45,6 +45,7 @@ typedef struct Instance {
     void *workspace;
     double *by_reference; /* three vectors of reference_count: values, seed, sensitivity */
     char *values;         /* the unit's struct */
+    char *resources;      /* a folder that ends in a separator, or "" */
 } Instance;
 
 typedef struct StepResult {
@@ -58,7 +59,7 @@ typedef struct EventInfo {
 } EventInfo;
 
 /* life_cycle.c */
-static Instance *instance_create(Kind kind, const char *name, const char *token, Log log);
+static Instance *instance_create(Kind kind, const char *name, const char *token, const char *resources, Log log);
 static void instance_free(Instance *instance);
 static Status instance_reset(Instance *instance);
 static Status instance_set_logging(Instance *instance, bool on, size_t count, const char *const categories[]);
@@ -74,6 +75,9 @@ static double instance_time(const Instance *instance);
 static void instance_set_time(Instance *instance, double time);
 static Status instance_move_time(Instance *instance, double time);
 static Status instance_refuse(Instance *instance, const char *call, const char *reason);
+
+/* resources.c */
+static char *resource_folder(const char *location);
 
 /* access.c */
 static const Variable *instance_find(Instance *instance, const char *call, uint32_t reference, bool whole);

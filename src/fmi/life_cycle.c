@@ -91,7 +91,7 @@ static void instance_touch(Instance *instance)
     instance->unchecked = true;
 }
 
-static void instance_to_start(Instance *instance)
+static Status instance_to_start(Instance *instance)
 {
     memcpy(instance->values, unit.start, unit.size);
     instance->mode = INSTANTIATED;
@@ -99,9 +99,10 @@ static void instance_to_start(Instance *instance)
     instance->stop_time = INFINITY;
     instance->unprepared = true;
     instance_touch(instance);
+    return unit.start_from ? unit.start_from(instance->values, instance->resources, &instance->log) : STATUS_OK;
 }
 
-static Instance *instance_create(Kind kind, const char *name, const char *token, Log log)
+static Instance *instance_create(Kind kind, const char *name, const char *token, const char *resources, Log log)
 {
     if (!token || strcmp(token, unit.token) != 0) {
         report(&log, STATUS_ERROR, "%s: the instantiation token %s is not this unit's %s", unit.name,
@@ -120,15 +121,19 @@ static Instance *instance_create(Kind kind, const char *name, const char *token,
     instance->log = log;
     instance->kind = kind;
     instance->values = calloc(1, unit.size);
+    instance->resources = resource_folder(resources);
     instance->by_reference = calloc(3 * unit.reference_count, sizeof(double));
     instance->log.instance_name = calloc(1, strlen(name) + 1);
-    if (!instance->values || !instance->by_reference || !instance->log.instance_name) {
+    if (!instance->values || !instance->by_reference || !instance->resources || !instance->log.instance_name) {
         report(&log, STATUS_ERROR, "%s: out of memory", unit.name);
         instance_free(instance);
         return NULL;
     }
     memcpy(instance->log.instance_name, name, strlen(name) + 1);
-    instance_to_start(instance);
+    if (instance_to_start(instance) != STATUS_OK) {
+        instance_free(instance);
+        return NULL;
+    }
     return instance;
 }
 
@@ -138,6 +143,7 @@ static void instance_free(Instance *instance)
         free(instance->workspace);
         free(instance->values);
         free(instance->by_reference);
+        free(instance->resources);
         free(instance->log.instance_name);
         free(instance);
     }
@@ -145,8 +151,7 @@ static void instance_free(Instance *instance)
 
 static Status instance_reset(Instance *instance)
 {
-    instance_to_start(instance);
-    return STATUS_OK;
+    return instance_to_start(instance);
 }
 
 static Status instance_set_logging(Instance *instance, bool on, size_t count, const char *const categories[])
@@ -233,9 +238,9 @@ static Status instance_prepare(Instance *instance)
         }
         instance->workspace_size = size;
     }
-    unit.prepare(instance->values, instance->workspace);
-    instance->unprepared = false;
-    return STATUS_OK;
+    Status status = unit.prepare(instance->values, instance->resources, instance->workspace, &instance->log);
+    instance->unprepared = status != STATUS_OK;
+    return status;
 }
 
 static Status check_and_evaluate(Instance *instance, uint32_t groups)

@@ -25,7 +25,10 @@
  *   where unit.toml names a `workspace`: memory that follows from the parameters alone, and is
  *   therefore no part of a saved state; groups and streams then take it as a second argument
  *     size_t skin_workspace_size(const Skin *)
- *     void skin_prepare(const Skin *, void *workspace)
+ *     Status skin_prepare(const Skin *, const char *resources, void *workspace, Log *)
+ *   where unit.toml says `resources = true`: start values that a file among the resources gives, at
+ *   instantiation and reset; `resources` is a folder that ends in a separator, or "" if there is none
+ *     Status skin_start(Skin *, const char *resources, Log *)
  *   where a variable is a `stream`: computed straight into the reader's memory
  *     void skin_stream(const Skin *, const void *workspace, size_t variable, void *destination)
  */
@@ -68,7 +71,8 @@ typedef struct Unit {
     double (*next_event)(const void *values);
     void (*event)(void *values);
     size_t (*workspace_size)(const void *values);
-    void (*prepare)(const void *values, void *workspace);
+    Status (*prepare)(const void *values, const char *resources, void *workspace, Log *log);
+    Status (*start_from)(void *values, const char *resources, Log *log);
     void (*stream)(const void *values, const void *workspace, size_t variable, void *destination);
     void (*directional)(const double *values, const void *workspace, bool initializing, uint32_t groups,
                         const double *seed, double *sensitivity); /* all by value reference */

@@ -251,7 +251,7 @@ def test_rest_normals_of_the_profile_are_those_of_its_slope() -> None:
     x, radius = rest[0], rest[1]
     slope = np.gradient(radius, x)
     tube = (x > RADIUS + 1e-3) & (x < UPPER_ARM + FOREARM - RADIUS)
-    # float32 radii 0.7 mm apart: 4e-9 / 7e-4; the pieces' curvature jumps at their ends, by some 10 / m times 0.7 mm / 4
+    # float32 radii 0.7 mm apart: 4e-9 / 7e-4; the pieces' curvature jumps at their ends, by 10 / m over a fourth of it
     assert np.abs(-normals[0] / normals[1] - slope)[tube].max() < 3e-3
 
 

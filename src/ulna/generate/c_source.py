@@ -29,7 +29,7 @@ CAUSALITIES = {
     "local": "LOCAL",
     "memory": "MEMORY",
 }
-CORE = ("log.c", "life_cycle.c", "access.c", "state.c", "stepping.c", "sensitivity.c")
+CORE = ("log.c", "resources.c", "life_cycle.c", "access.c", "state.c", "stepping.c", "sensitivity.c")
 HEADERS = ("unit.h", "variable.h", "vector.h", "instance.h", "internal_steps.h", "complex_step.h")
 INTERFACE = {
     2: ("access_scalars.c", "fmi2.c", "fmi2_modes.c"),
@@ -182,8 +182,15 @@ def _wrappers(unit: Declaration) -> tuple[list[str], dict[str, str]]:
     if unit.workspace:
         signatures |= {
             "workspace_size": ("size_t", "const void *values", f"return {mine}_workspace_size(values);"),
-            "prepare": ("void", "const void *values, void *workspace", f"{mine}_prepare(values, workspace);"),
+            "prepare": (
+                "Status",
+                "const void *values, const char *resources, void *workspace, Log *log",
+                f"return {mine}_prepare(values, resources, workspace, log);",
+            ),
         }
+    if unit.resources:
+        arguments = "void *values, const char *resources, Log *log"
+        signatures["start_from"] = ("Status", arguments, f"return {mine}_start(values, resources, log);")
     if any(v.stream for v in unit.variables):
         signatures["stream"] = (
             "void",

@@ -85,6 +85,7 @@ class Declaration:
     sources: tuple[str, ...]
     events: bool
     workspace: str | None
+    resources: bool
     directional_derivatives: bool
     default_experiment: dict[str, float]
     enumerations: dict[str, dict[str, str]]
@@ -237,6 +238,7 @@ def load(path: str | Path) -> Declaration:
         sources=tuple(raw["sources"]),
         events=raw.get("events", False),
         workspace=raw.get("workspace"),
+        resources=raw.get("resources", False),
         directional_derivatives=raw.get("directional_derivatives", False),
         default_experiment=raw.get("default_experiment", {}),
         enumerations=enumerations,

@@ -7,7 +7,15 @@ if TYPE_CHECKING:
     from .declaration import Declaration, Variable
 
 REQUIRED = ("name", "description", "kinds", "sources")
-OPTIONAL = ("events", "workspace", "directional_derivatives", "default_experiment", "enumeration", "terminal")
+OPTIONAL = (
+    "events",
+    "workspace",
+    "resources",
+    "directional_derivatives",
+    "default_experiment",
+    "enumeration",
+    "terminal",
+)
 KINDS = ("co-simulation", "model-exchange")
 TYPES = ("Float64", "Float32", "Int32", "UInt64", "Boolean", "Enumeration")
 VARIABILITIES = ("constant", "fixed", "tunable", "discrete", "continuous")
