@@ -28,6 +28,7 @@ from .plot import filmstrip, plot
 from .report import summary
 from .results import Results
 from .scene import Scene
+from .skin_import import import_skin
 from .slave import UnitError
 from .stability.command import stability
 from .view import write_view
@@ -43,6 +44,8 @@ app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_
 app.command()(check)
 app.command()(chart)
 app.command()(stability)
+skin = typer.Typer(no_args_is_help=True, help="A skin of your own for ArmSkin.")
+app.add_typer(skin, name="skin")
 console = Console()
 errors = Console(stderr=True)
 
@@ -146,6 +149,31 @@ def bench(
 
     with _mistakes("bench"):
         benchmarks.show(benchmarks.run(names or []))
+
+
+@skin.command("import")
+def skin_import(
+    file: Annotated[Path, typer.Argument(metavar="FILE.glb", help="A rigged mesh, glTF 2.0, binary.")],
+    out: Annotated[Path, typer.Option(help="FMU to write.")],
+    upper_arm: Annotated[
+        str | None, typer.Option(help="Joint at the shoulder; default: what common rigs call it, left before right.")
+    ] = None,
+    forearm: Annotated[
+        list[str] | None,
+        typer.Option(help="Joint at the elbow; repeated: others that follow the forearm and are not below it."),
+    ] = None,
+    mesh: Annotated[str | None, typer.Option(help="The only mesh to take; default: all that both joints move.")] = None,
+    version: Annotated[str, typer.Option(help="FMI version: 2.0 or 3.0.")] = "3.0",
+) -> None:
+    """Makes an ArmSkin FMU of a rigged mesh: what is below the forearm follows it, all else the upper arm."""
+    with _mistakes(str(file)):
+        made, bones = import_skin(file, out, upper_arm=upper_arm, forearm=forearm or (), mesh=mesh, version=version)
+    table = Table(show_header=False, title=str(out), title_justify="left")
+    table.add_row("upper arm, forearm", escape(", ".join(bones)))
+    table.add_row("vertices, triangles", f"{len(made.vertices)}, {len(made.triangles)}")
+    for name in ("upper_arm_length", "forearm_length", "radius", "blend_half_width"):
+        table.add_row(name, f"{getattr(made, name):.4g} m")
+    console.print(table)
 
 
 def main() -> None:

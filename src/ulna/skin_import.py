@@ -1,0 +1,281 @@
+"""Makes an ArmSkin FMU of a rigged glTF mesh: `ulna skin import`.
+
+The mesh is taken as it was bound, where the file leaves the upper arm's joint, in m. The rest frame has the elbow, the
+forearm's joint, at the origin, the upper arm along x; z is the direction across it nearest to up, or to the front where
+the arm hangs or points up. Joints at or below the forearm's follow the forearm; all others follow the upper arm.
+"""
+
+import re
+import zipfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from .generate.model_description import to_string
+from .generate.package import write_fmu
+from .names import unknown
+from .paths import fmu
+from .rig import Primitive, Rig, read_rig
+from .skin_mesh import MOST_JOINTS, SkinMesh, weight_gradients, write_mesh
+from .slave import Slave, UnitError
+
+# Upper arm, forearm: names in small letters, without marks and the rig's own prefix.
+PREFIX = re.compile(r"^(mixamorig\d*|jbip|bip\d*|def)")
+COMMON = (
+    ("leftarm", "leftforearm"),
+    ("leftupperarm", "leftlowerarm"),
+    ("upperarml", "forearml"),
+    ("upperarml", "lowerarml"),
+    ("lupperarm", "lforearm"),
+    ("lupperarm", "llowerarm"),
+    ("rightarm", "rightforearm"),
+    ("rightupperarm", "rightlowerarm"),
+    ("upperarmr", "forearmr"),
+    ("upperarmr", "lowerarmr"),
+    ("rupperarm", "rforearm"),
+    ("rupperarm", "rlowerarm"),
+    ("upperarm", "forearm"),
+    ("upperarm", "lowerarm"),
+)
+# m; ranges of the parameters
+LENGTHS = {
+    "upper_arm_length": (0.001, 100.0),
+    "forearm_length": (0.001, 100.0),
+    "radius": (0.0001, 10.0),
+    "blend_half_width": (0.0001, 100.0),
+}
+# float32 matrices of scaled rigs
+EVEN = 1e-3
+# glTF 2.0, 3.4: +y is up, a model's front faces +z
+UP, FRONT = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
+# smoothstep is .01 where |x| is this share of its half width
+ONE_PERCENT = 0.8822
+
+
+@dataclass(frozen=True)
+class Bones:
+    """The two joints of a rig that are the arm."""
+
+    upper_arm: int
+    forearm: int
+    followers: frozenset[int]
+    """All nodes that follow the forearm."""
+
+
+def import_skin(
+    path: str | PathLike,
+    out: str | PathLike,
+    *,
+    upper_arm: str | None = None,
+    forearm: Sequence[str] = (),
+    mesh: str | None = None,
+    version: str = "3.0",
+) -> tuple[SkinMesh, tuple[str, str]]:
+    """Writes the FMU `out`; returns its mesh and the names of the two joints. The same file gives the same bytes.
+
+    `forearm`: the joint whose origin is the elbow, then others that follow the forearm too, in rigs that do not put
+    them below it. `mesh`: the only mesh to take. Raises FileNotFoundError, KeyError for a name, ValueError.
+    """
+    stock = fmu("ArmSkin", version)
+    rig = read_rig(path)
+    bones = find_bones(rig, upper_arm, forearm)
+    skin = arm_mesh(rig, bones, mesh)
+    write_skin_fmu(out, skin, stock)
+    return skin, (rig.names[bones.upper_arm], rig.names[bones.forearm])
+
+
+def find_bones(rig: Rig, upper_arm: str | None = None, forearm: Sequence[str] = ()) -> Bones:
+    """The joints by name, or by what common rigs call them, the left arm first. Raises KeyError, listing the joints."""
+    known = [rig.names[joint] for joint in rig.joints]
+    if (upper_arm is None) != (not forearm):
+        raise ValueError("name both joints or none: upper arm and forearm")
+    if upper_arm is None:
+        upper_arm, *forearm = _common(known)
+    first, *others = (_joint(rig, name) for name in (upper_arm, *forearm))
+    if first in others:
+        raise ValueError(f"{upper_arm!r} is named for both the upper arm and the forearm")
+    followers = {joint for joint in rig.joints if {joint, *rig.ancestors(joint)} & set(others)}
+    if first in followers:
+        raise ValueError(f"{upper_arm!r} is below {forearm[0]!r}; allowed: an upper arm that is not below its forearm")
+    return Bones(first, others[0], frozenset(followers))
+
+
+def arm_mesh(rig: Rig, bones: Bones, mesh: str | None = None) -> SkinMesh:
+    """The mesh in the arm's rest frame, and the lengths of its bones. Raises ValueError, KeyError for a mesh's name."""
+    taken = [p for p in rig.primitives if {bones.upper_arm, bones.forearm} <= p.inverse_bind.keys()]
+    if not taken:
+        raise ValueError("no skin has both joints")
+    if mesh is not None and mesh not in {p.mesh for p in taken}:
+        raise KeyError(unknown("the skin", "mesh", mesh, sorted({p.mesh for p in taken})))
+    taken = [p for p in taken if mesh in (None, p.mesh)]
+    world = rig.to_world(bones.upper_arm)
+    frame, length = _rest_frame(world @ taken[0].inverse_bind[bones.upper_arm], taken[0], bones)
+    pieces = [_placed(p, frame @ world @ p.inverse_bind[bones.upper_arm]) for p in taken]
+    starts = np.cumsum([0, *(len(p.vertices) for p in taken[:-1])])
+    triangles = np.concatenate([piece[2] + start for piece, start in zip(pieces, starts, strict=True)])
+    vertices, normals = (np.concatenate([piece[k] for piece in pieces]) for k in range(2))
+    weights, nodes = (np.concatenate([getattr(p, name) for p in taken]) for name in ("weights", "joints"))
+    # a triangle that has a corner twice has no area
+    triangles = triangles[np.all(triangles != np.roll(triangles, 1, axis=1), axis=1)]
+    used, corners = np.unique(triangles, return_inverse=True)
+    triangles = corners.reshape(-1, 3)
+    vertices, normals, weights, nodes = vertices[used], normals[used], weights[used], nodes[used]
+    joints, numbers = np.unique(nodes, return_inverse=True)
+    if len(joints) > MOST_JOINTS:
+        raise ValueError(f"{len(joints)} joints move the mesh; allowed range: up to {MOST_JOINTS}")
+    forearm = np.isin(joints, list(bones.followers))
+    numbers = numbers.reshape(-1, 4)
+    shares = np.sum(weights * forearm[numbers], axis=1)
+    if not (shares.min() < 0.5 <= shares.max()):
+        raise ValueError("the joints move no vertices apart; allowed: a mesh of which either bone holds a part")
+    held = np.isin(nodes, (bones.upper_arm, bones.forearm))
+    return SkinMesh(
+        vertices=vertices,
+        normals=_whole_normals(vertices, triangles, normals),
+        gradients=weight_gradients(vertices, triangles, shares),
+        weights=weights,
+        joints=numbers,
+        forearm=forearm,
+        triangles=triangles,
+        **_lengths(vertices, shares, np.sum(weights * held, axis=1) >= 0.5, length),
+    )
+
+
+def write_skin_fmu(out: str | PathLike, mesh: SkinMesh, stock: Path) -> None:
+    """The stock FMU with the mesh among its resources; start values are those of the mesh. Raises ValueError.
+
+    The unit itself loads it before `out` is written, so that a mesh that its loader refuses leaves no file.
+    """
+    with zipfile.ZipFile(stock) as archive:
+        files = {name: archive.read(name) for name in archive.namelist() if not name.endswith("/")}
+    with TemporaryDirectory() as folder:
+        write_mesh(Path(folder) / "mesh.bin", mesh)
+        files["resources/mesh.bin"] = (Path(folder) / "mesh.bin").read_bytes()
+        files["modelDescription.xml"] = _with_starts(files["modelDescription.xml"], mesh)
+        trial = Path(folder) / "trial.fmu"
+        write_fmu(trial, files)
+        try:
+            with Slave(trial, name="ArmSkin") as skin:
+                skin.initialize()
+        except UnitError as error:
+            raise ValueError(error.message or str(error)) from None
+        Path(out).parent.mkdir(parents=True, exist_ok=True)
+        Path(out).write_bytes(trial.read_bytes())
+
+
+def _common(known: list[str]) -> tuple[str, str]:
+    by_core = {PREFIX.sub("", re.sub(r"[^a-z0-9]", "", name.lower())): name for name in reversed(known)}
+    for pair in COMMON:
+        if all(core in by_core for core in pair):
+            return by_core[pair[0]], by_core[pair[1]]
+    raise KeyError(
+        f"no joints have the names of an arm; name two with --upper-arm and --forearm, of: {', '.join(known)}"
+    )
+
+
+def _joint(rig: Rig, name: str) -> int:
+    found = [joint for joint in rig.joints if rig.names[joint] == name]
+    if not found:
+        raise KeyError(f"no joint {name!r}; allowed: {', '.join(rig.names[joint] for joint in rig.joints)}")
+    if len(found) > 1:
+        raise ValueError(f"{len(found)} joints have the name {name!r}; allowed: a name that one joint has")
+    return found[0]
+
+
+def _rest_frame(world: np.ndarray, primitive: Primitive, bones: Bones) -> tuple[np.ndarray, float]:
+    """(4, 4) from glTF's world to the rest frame, and the upper arm's length; `world` takes the skin's space there."""
+    shoulder, elbow = (
+        (world @ np.linalg.inv(primitive.inverse_bind[joint]))[:3, 3] for joint in (bones.upper_arm, bones.forearm)
+    )
+    length = float(np.linalg.norm(elbow - shoulder))
+    _check_length("upper_arm_length", length)
+    x = (elbow - shoulder) / length
+    across = UP if abs(x @ UP) < 0.9 else FRONT
+    z = across - (across @ x) * x
+    z /= np.linalg.norm(z)
+    frame = np.eye(4)
+    frame[:3, :3] = [x, np.cross(z, x), z]
+    frame[:3, 3] = -frame[:3, :3] @ elbow
+    return frame, length
+
+
+def _placed(primitive: Primitive, matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Vertices, normals (0 where the file has none) and triangles in the rest frame."""
+    linear = matrix[:3, :3]
+    scale = np.cbrt(np.linalg.det(linear))
+    if not abs(scale) > 0.0 or np.abs(linear @ linear.T / scale**2 - np.eye(3)).max() > EVEN:
+        raise ValueError(f"{primitive.where} is stretched by its nodes; allowed: the same scale in all directions")
+    # column by column, so that equal vertices stay equal to the bit
+    vertices = sum(primitive.vertices[:, k, None] * linear[:, k] for k in range(3)) + matrix[:3, 3]
+    normals = np.zeros_like(vertices) if primitive.normals is None else primitive.normals @ linear.T / abs(scale)
+    triangles = primitive.triangles if scale > 0.0 else primitive.triangles[:, ::-1]
+    return vertices, normals, triangles
+
+
+def _whole_normals(vertices: np.ndarray, triangles: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """The file's normals at length 1; where they are 0, the mean of the triangles' by area, across seams too."""
+    corner = [vertices[triangles[:, k]] for k in range(3)]
+    area = np.cross(corner[1] - corner[0], corner[2] - corner[0])
+    _, same = np.unique(vertices, axis=0, return_inverse=True)
+    same = same.ravel()
+    total = np.zeros((same.max() + 1, 3))
+    for k in range(3):
+        np.add.at(total, same[triangles[:, k]], area)
+    normals = np.where(np.linalg.norm(normals, axis=1, keepdims=True) > 1e-6, normals, total[same])
+    size = np.linalg.norm(normals, axis=1, keepdims=True)
+    if not np.all(size > 0.0):
+        vertex = int(np.argmin(size))
+        raise ValueError(f"vertex {vertex} has neither a normal nor a triangle with an area")
+    return normals / size
+
+
+def _lengths(vertices: np.ndarray, shares: np.ndarray, held: np.ndarray, upper_arm: float) -> dict[str, float]:
+    """Estimates, m, by name.
+
+    The forearm ends at the farthest vertex that follows it. The radius is that of half of the vertices beside the bones
+    that the two joints themselves hold. The shares from 1 to 99 % are as far out as those of a smoothstep.
+    """
+    x = vertices[:, 0]
+    forearm = float(x[shares >= 0.5].max())
+    _check_length("forearm_length", forearm)
+    beside = held & (x > -upper_arm) & (x < forearm)
+    radius = float(np.median(np.hypot(vertices[beside, 1], vertices[beside, 2]))) if beside.any() else 0.0
+    blend = np.abs(x[(shares > 0.01) & (shares < 0.99)])
+    half_width = float(blend.max()) / ONE_PERCENT if len(blend) else radius
+    lengths = dict(zip(LENGTHS, (upper_arm, forearm, radius, half_width), strict=True))
+    for name, value in lengths.items():
+        _check_length(name, value)
+    if radius + half_width >= forearm:
+        raise ValueError(
+            f"radius = {radius:.4g} m and blend_half_width = {half_width:.4g} m leave nothing of a forearm that ends "
+            f"{forearm:.4g} m from the elbow; allowed range: their sum below its length. Does the forearm point along "
+            "the upper arm at rest, and are all joints of the hand below it?"
+        )
+    return lengths
+
+
+def _check_length(name: str, value: float) -> None:
+    least, most = LENGTHS[name]
+    if not least <= value <= most:
+        raise ValueError(f"{name} = {value:.6g} m by the file; allowed range: {least:g} m to {most:g} m")
+
+
+def _with_starts(description: bytes, mesh: SkinMesh) -> bytes:
+    """modelDescription.xml with the start values that the unit takes from the mesh."""
+    root = ET.fromstring(description)
+    starts = {name: repr(float(getattr(mesh, name))) for name in LENGTHS}
+    elbow = starts["upper_arm_length"]
+    starts |= {"vertex_count": str(len(mesh.vertices)), "forearm_position": f"{elbow} 0.0 0.0"}
+    starts["forearm_position[1]"] = elbow
+    for variable in root.iter():
+        if variable.get("name") in starts:
+            # FMI 2.0 keeps the start in a child
+            holder = variable if "start" in variable.attrib else variable.find("*[@start]")
+            if holder is not None:
+                holder.set("start", starts[variable.get("name")])
+    return to_string(root).encode()
