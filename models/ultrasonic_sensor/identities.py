@@ -292,6 +292,7 @@ def _levels(f: Equations) -> dict[str, SX]:
         + 2 * slope
         + beam
         - left_out,
+        "the beam's argument is 0 on its axis": f(values | {"incident": values["axis"]})["beam_argument"],
         "the beam is 1 on its axis": ca.substitute(beam, argument, SX(0)) - 1,
         "emitter and receiver may be exchanged: the curvatures stay": ca.vertcat(
             *[there[name] - here[name] for name in round_bodies]

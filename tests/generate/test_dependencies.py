@@ -22,6 +22,7 @@ PUSH = 0.3
 # Far above round-off, which also reaches what does not depend on a variable; far below any reaction to such a push.
 REACTION = 1e-9
 UNIT_VECTORS = {"axis"}
+SHORT_TIMES = {"echo_start", "time_out"}  # of milliseconds: a push of the others' size is refused
 
 
 class Probe:
@@ -49,6 +50,7 @@ class Probe:
         parameters = [v for v in self.description.modelVariables if v.causality == "parameter" and v.type == "Real"]
         # zeros would hide what they multiply; other start values are sound together, and stay
         drawn = [v for v in parameters if float(v.start) == 0.0 or stem(v.name) in UNIT_VECTORS]
+        drawn = [v for v in drawn if v.name not in SHORT_TIMES]
         self.fmu.setReal([v.valueReference for v in drawn], self.numbers(name, drawn))
         choices = [v for v in self.description.modelVariables if v.causality == "parameter" and v.type == "Enumeration"]
         entries = [1 + seed % len(v.declaredType.items) for v in choices]

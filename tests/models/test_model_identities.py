@@ -147,8 +147,10 @@ COMPARED_ONLY = {
         "vapour_fraction",
         "speed_of_sound_in_air",
         "absorption_of_air",
+        "piston_dispersion",
         *(f"initial({name})" for name in ("speed_of_sound", "absorption", "distance", "level")),
-        *(f"initial({name}_time)" for name in ("start", "position", "sphere_center")),
+        *(f"initial({name}_time)" for name in ("start", "position", "sphere_center", "nearest", "farthest", "ring")),
+        *(f"initial({name})" for name in ("wave_number", "burst_length", "peak_time", "peak", "burst_margin")),
     }
 }
 """Fits to measurements and copies of parameters: nothing but the comparison with the textbook holds them."""
