@@ -29,8 +29,8 @@ INLINED void deform_by(int method, SkinRow row, const SkinMotion *motion, bool w
         break;
 
 /* The rigid method is the linear blend with weights of 0 and 1. */
-INLINED void deform_method(int64_t method, SkinRow row, const SkinMotion *motion, bool wound, bool twisted,
-                           const ArmMesh *mesh, float *out)
+INLINED void deform_twisted(int64_t method, SkinRow row, const SkinMotion *motion, bool wound, bool twisted,
+                            const ArmMesh *mesh, float *out)
 {
     switch (method) {
     DEFORM_CASE(HINGE)
@@ -41,17 +41,26 @@ INLINED void deform_method(int64_t method, SkinRow row, const SkinMotion *motion
     }
 }
 
+INLINED void deform_method(int64_t method, SkinRow row, const SkinMotion *motion, bool wound, const ArmMesh *mesh, float *out)
+{
+    if (motion->spread == 0.0f) {
+        deform_twisted(method, row, motion, wound, false, mesh, out);
+    } else {
+        deform_twisted(method, row, motion, wound, true, mesh, out);
+    }
+}
+
 typedef void Deform(int64_t method, SkinRow row, const SkinMotion *motion, const ArmMesh *mesh, float *out);
 
 static void deform_plain(int64_t method, SkinRow row, const SkinMotion *motion, const ArmMesh *mesh, float *out)
 {
-    deform_method(method, row, motion, false, true, mesh, out);
+    deform_method(method, row, motion, false, mesh, out);
 }
 
 /* Beyond half a turn: seldom, so that no wide copies are kept of it. */
 static void deform_wound(int64_t method, SkinRow row, const SkinMotion *motion, const ArmMesh *mesh, float *out)
 {
-    deform_method(method, row, motion, true, true, mesh, out);
+    deform_method(method, row, motion, true, mesh, out);
 }
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(ULNA_PLAIN)
@@ -64,13 +73,13 @@ static void deform_wound(int64_t method, SkinRow row, const SkinMotion *motion, 
 __attribute__((target("avx2"))) static void deform_avx2(int64_t method, SkinRow row, const SkinMotion *motion,
                                                         const ArmMesh *mesh, float *out)
 {
-    deform_method(method, row, motion, false, true, mesh, out);
+    deform_method(method, row, motion, false, mesh, out);
 }
 
 __attribute__((target(WIDEST))) static void deform_avx512(
     int64_t method, SkinRow row, const SkinMotion *motion, const ArmMesh *mesh, float *out)
 {
-    deform_method(method, row, motion, false, true, mesh, out);
+    deform_method(method, row, motion, false, mesh, out);
 }
 
 static Deform *widest_deform(void)

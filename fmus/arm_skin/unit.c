@@ -55,6 +55,10 @@ static void arm_skin_stream(const ArmSkin *skin, const void *workspace, size_t v
     switch (variable) {
     case ARM_SKIN_VERTICES: arm_skin_deform(skin, mesh, SKIN_VERTICES, destination); break;
     case ARM_SKIN_NORMALS: arm_skin_deform(skin, mesh, SKIN_NORMALS, destination); break;
+    case ARM_SKIN_MESH:
+        arm_skin_deform(skin, mesh, SKIN_VERTICES, destination);
+        arm_skin_deform(skin, mesh, SKIN_NORMALS, (float *)destination + 3 * mesh->vertex_count);
+        break;
     case ARM_SKIN_TRIANGLES: fill_triangles(mesh, destination); break;
     case ARM_SKIN_WEIGHTS: fill_weights(mesh, destination); break;
     default: break;

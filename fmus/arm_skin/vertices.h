@@ -18,20 +18,18 @@ typedef struct Twist {
     float sine, cosine, slope;
 } Twist;
 
-/* Compares numbers, so it is for C alone. */
-#ifdef __cplusplus
-static Twist twist_at(const SkinMotion *motion, float x);
-#else
+/* By signs, since compilers keep comparisons of numbers that may not be numbers out of vectors: the
+ * share is s between 0 and 1, 0 before and 1 after, and its slope 1 between. */
 INLINED Twist twist_at(const SkinMotion *motion, float x)
 {
     float share = (x - motion->spread_begin) * motion->spread_slope;
-    float within = share > 0.0f ? (share < 1.0f ? share : 1.0f) : 0.0f;
+    float within = 0.5f * (fabsf(share) - fabsf(share - 1.0f) + 1.0f);
+    float inside = 0.5f * (copysignf(1.0f, share) - copysignf(1.0f, share - 1.0f));
     Twist twist;
-    twist.slope = within == share ? motion->spread * motion->spread_slope : 0.0f;
+    twist.slope = inside * motion->spread * motion->spread_slope;
     sine_and_cosine(motion->spread * within, &twist.sine, &twist.cosine);
     return twist;
 }
-#endif
 
 INLINED Float3 twisted_about_bone(Twist twist, Float3 v)
 {

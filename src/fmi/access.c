@@ -8,11 +8,13 @@
 static const size_t element_size[VALUE_TYPES] = {
     [FLOAT64] = sizeof(double),  [FLOAT32] = sizeof(float), [INT32] = sizeof(int32_t),
     [UINT64] = sizeof(uint64_t), [BOOLEAN] = sizeof(bool),  [ENUMERATION] = sizeof(int64_t),
+    [BINARY] = 1,
 };
 
 static const char *const type_names[VALUE_TYPES] = {
     [FLOAT64] = "Float64", [FLOAT32] = "Float32", [INT32] = "Int32",
     [UINT64] = "UInt64",   [BOOLEAN] = "Boolean", [ENUMERATION] = "Enumeration",
+    [BINARY] = "Binary",
 };
 
 /* The variable of a value reference; `whole` where the reference must be that of a first element. */
@@ -56,6 +58,7 @@ static double value_at(uint8_t type, const char *place)
     case UINT64: return (double)value.uint64;
     case ENUMERATION: return (double)value.int64;
     case BOOLEAN: return value.boolean ? 1.0 : 0.0;
+    case BINARY:
     case VALUE_TYPES: break;
     }
     return NAN;
@@ -64,6 +67,15 @@ static double value_at(uint8_t type, const char *place)
 static double element_as_double(const Instance *instance, const Variable *variable, uint32_t element)
 {
     return value_at(variable->type, instance->values + variable->offset + element * element_size[variable->type]);
+}
+
+static size_t element_count(const Instance *instance, const Variable *variable)
+{
+    uint64_t extent = 1;
+    if (variable->size_of) {
+        memcpy(&extent, instance->values + variable->size_of, sizeof extent);
+    }
+    return variable->count * (size_t)extent;
 }
 
 static bool computed(const Variable *variable)

@@ -3,15 +3,6 @@
 
 #include <string.h>
 
-static size_t element_count(const Instance *instance, const Variable *variable)
-{
-    uint64_t extent = 1;
-    if (variable->size_of) {
-        memcpy(&extent, instance->values + variable->size_of, sizeof extent);
-    }
-    return variable->count * (size_t)extent;
-}
-
 /* The kind of access that all of a get or set shares, found wanting or not before the first value moves. */
 static Status check_variable(Instance *instance, const char *call, const Variable *variable, ValueType type, size_t left)
 {
@@ -105,4 +96,49 @@ static Status instance_set(Instance *instance, const char *call, ValueType type,
         }
     }
     return status == STATUS_OK ? left_over(instance, call, left) : status;
+}
+
+static Status instance_get_binary(Instance *instance, const char *call, const uint32_t references[], size_t count,
+                                  size_t sizes[], const uint8_t *values[], size_t value_count)
+{
+    size_t total = 0;
+    Status status = check_arrays(instance, call, references, values, count);
+    if (status == STATUS_OK && count && (!sizes || value_count != count)) {
+        return instance_refuse(instance, call, "the arrays given have another number of values than there are references");
+    }
+    for (size_t i = 0; status == STATUS_OK && i < count; i++) {
+        const Variable *variable = instance_find(instance, call, references[i], true);
+        if (!variable) {
+            return STATUS_ERROR;
+        }
+        status = check_variable(instance, call, variable, BINARY, SIZE_MAX);
+        if (status == STATUS_OK) {
+            status = instance_ready_to_read(instance, call, variable);
+            sizes[i] = element_count(instance, variable);
+            total += sizes[i];
+        }
+    }
+    if (status == STATUS_OK && total > instance->binary_size) {
+        return instance_refuse(instance, call, "each variable can be read once in a call");
+    }
+    char *place = instance->binary;
+    for (size_t i = 0; status == STATUS_OK && i < count; i++) {
+        unit.stream(instance->values, instance->workspace, unit.variable_of[references[i]], place);
+        values[i] = (const uint8_t *)place;
+        place += sizes[i];
+    }
+    return status;
+}
+
+/* Refuses them all, since none is an input. */
+static Status instance_set_binary(Instance *instance, const char *call, const uint32_t references[], size_t count,
+                                  const void *values)
+{
+    Status status = check_arrays(instance, call, references, values, count);
+    for (size_t i = 0; status == STATUS_OK && i < count; i++) {
+        const Variable *variable = instance_find(instance, call, references[i], true);
+        status = variable ? check_variable(instance, call, variable, BINARY, SIZE_MAX) : STATUS_ERROR;
+        status = status == STATUS_OK ? check_settable(instance, call, variable) : status;
+    }
+    return status;
 }

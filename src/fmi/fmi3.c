@@ -43,7 +43,11 @@ static Instance *instantiate(Kind kind, fmi3String name, fmi3String token, fmi3S
         .environment = environment,
         .categories = logging ? LOG_ALL : LOG_ERRORS | LOG_WARNINGS,
     };
-    return instance_create(kind, name, token, resources, log);
+    Instance *instance = instance_create(kind, name, token, resources, log);
+    if (instance) {
+        instance->reads_binary = true;
+    }
+    return instance;
 }
 
 fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,

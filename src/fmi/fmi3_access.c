@@ -61,22 +61,20 @@ NO_ACCESS(UInt16)
 NO_ACCESS(UInt32)
 NO_ACCESS(String)
 
+/* Of Binary variables all are computed by the unit. */
 fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                          size_t valueSizes[], fmi3Binary values[], size_t nValues)
 {
-    (void)valueReferences;
-    (void)valueSizes;
-    (void)values;
-    (void)nValues;
-    return no_such_type(instance, "fmi3GetBinary", nValueReferences);
+    return instance ? (fmi3Status)instance_get_binary(instance, "fmi3GetBinary", valueReferences, nValueReferences, valueSizes,
+                                                      values, nValues)
+                    : fmi3Error;
 }
 
 fmi3Status fmi3SetBinary(fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                          const size_t valueSizes[], const fmi3Binary values[], size_t nValues)
 {
-    (void)valueReferences;
     (void)valueSizes;
-    (void)values;
     (void)nValues;
-    return no_such_type(instance, "fmi3SetBinary", nValueReferences);
+    return instance ? (fmi3Status)instance_set_binary(instance, "fmi3SetBinary", valueReferences, nValueReferences, values)
+                    : fmi3Error;
 }

@@ -45,6 +45,9 @@ typedef struct Instance {
     void *workspace;
     double *by_reference; /* three vectors of reference_count: values, seed, sensitivity */
     char *values;         /* the unit's struct */
+    bool reads_binary;    /* FMI 3: room for Binary variables is made with the workspace */
+    char *binary;         /* what the last read of them gave, the reader's until the next */
+    size_t binary_size;
     char *resources;      /* a folder that ends in a separator, or "" */
 } Instance;
 
@@ -85,6 +88,7 @@ static Status instance_ready_to_read(Instance *instance, const char *call, const
 static Status instance_get_states(Instance *instance, double *states, size_t count, bool derivatives);
 static Status instance_set_states(Instance *instance, const double *states, size_t count);
 static Status instance_get_nominals(Instance *instance, double *nominals, size_t count);
+static size_t element_count(const Instance *instance, const Variable *variable);
 static double element_as_double(const Instance *instance, const Variable *variable, uint32_t element);
 static const char *element_name(const Variable *variable, uint32_t element, char *text, size_t size);
 

@@ -144,6 +144,7 @@ static void instance_free(Instance *instance)
         free(instance->values);
         free(instance->by_reference);
         free(instance->resources);
+        free(instance->binary);
         free(instance->log.instance_name);
         free(instance);
     }
@@ -222,6 +223,25 @@ static Status check_values(Instance *instance)
     return unit.check(instance->values, &instance->log);
 }
 
+/* Room for all Binary variables, which readers are lent. */
+static Status reserve_binary(Instance *instance)
+{
+    size_t size = 0;
+    for (size_t i = 0; instance->reads_binary && i < unit.variable_count; i++) {
+        size += unit.variables[i].type == BINARY ? element_count(instance, &unit.variables[i]) : 0;
+    }
+    if (size != instance->binary_size) {
+        free(instance->binary);
+        instance->binary_size = 0;
+        instance->binary = malloc(size);
+        if (!instance->binary) {
+            return report(&instance->log, STATUS_ERROR, "out of memory: %zu bytes", size);
+        }
+        instance->binary_size = size;
+    }
+    return STATUS_OK;
+}
+
 /* Memory that follows from the parameters; made when they have changed, never in a step. */
 static Status instance_prepare(Instance *instance)
 {
@@ -238,7 +258,10 @@ static Status instance_prepare(Instance *instance)
         }
         instance->workspace_size = size;
     }
-    Status status = unit.prepare(instance->values, instance->resources, instance->workspace, &instance->log);
+    Status status = reserve_binary(instance);
+    if (status == STATUS_OK) {
+        status = unit.prepare(instance->values, instance->resources, instance->workspace, &instance->log);
+    }
     instance->unprepared = status != STATUS_OK;
     return status;
 }

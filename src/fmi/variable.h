@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-typedef enum ValueType { FLOAT64, FLOAT32, INT32, UINT64, BOOLEAN, ENUMERATION, VALUE_TYPES } ValueType;
+typedef enum ValueType { FLOAT64, FLOAT32, INT32, UINT64, BOOLEAN, ENUMERATION, BINARY, VALUE_TYPES } ValueType;
 
 typedef enum Causality {
     INDEPENDENT,
@@ -38,7 +38,7 @@ typedef struct Variable {
     bool state;             /* a continuous state; its derivative is the row after it */
     size_t offset;          /* in the unit's struct, bytes */
     uint32_t reference;     /* value reference of the first element; the others follow */
-    uint32_t count;         /* elements; for a stream, elements per size_of */
+    uint32_t count;         /* elements, of a BINARY its bytes; for a stream, elements per size_of */
     uint32_t size_of;       /* offset in the struct of the uint64_t that multiplies count, or 0 */
     double minimum, maximum;
     double nominal;

@@ -6,7 +6,7 @@ arguments that are built once and NumPy buffers that stay where they are: see `p
 
 import weakref
 from collections.abc import Callable, Sequence
-from ctypes import byref, c_bool, c_double, c_int, c_void_p
+from ctypes import byref, c_bool, c_double, c_int, c_size_t, c_uint32, c_void_p, string_at
 from os import PathLike
 from pathlib import Path
 from threading import Lock
@@ -145,10 +145,12 @@ class Slave:
     # Values by name
 
     def get(self, name: str) -> Any:
-        """Value of a variable: an array of its shape; a float, int, bool, entry name or string if it is a scalar."""
+        """Value of a variable: an array of its shape; if it is a scalar a number, bool, entry name, string or bytes."""
         variable = self.variable(name)
         if variable.type == "String":
             return self._call("getString", list(variable.references))[0]
+        if variable.type == "Binary":
+            return self._get_binary(variable)
         values = self._port("Get", name)()
         if variable.type == "Boolean":
             values = values.astype(bool)
@@ -156,6 +158,16 @@ class Slave:
             return values.reshape(self.shape(variable)).copy()
         value = values[0].item()
         return {number: entry for entry, number in variable.entries}.get(value, value)
+
+    def _get_binary(self, variable: Variable) -> bytes:
+        """The unit's own memory, copied: what a pointer points to lasts until the next read only."""
+        reference, size, place, one = c_uint32(variable.references[0]), c_size_t(), c_void_p(), c_size_t(1)
+        component = c_void_p(self.component)
+        call = self.function("fmi3GetBinary")
+        status = call(component, byref(reference), one, byref(size), byref(place), one)
+        if status > WARNING:
+            self.fail("fmi3GetBinary", status)
+        return string_at(place, size.value)
 
     def set(self, name: str, value: Any) -> None:
         """Sets a variable: a number, an array of its shape, or for enumerations the name of an entry.

@@ -3,6 +3,8 @@
 
 #include "check.h"
 
+#include <string.h>
+
 static void receive(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category, fmi3String message)
 {
     record_line(environment, (int)status, category, message);
@@ -78,6 +80,14 @@ int slave_reset(Slave *slave)
         return (int)status;                                                                                          \
     }
 
+static int move_binary(Slave *slave, const Variable *variable, bool set)
+{
+    size_t size = 0;
+    fmi3Binary place = NULL;
+    return set ? (int)fmi3SetBinary(slave->instance, &variable->reference, 1, &size, &place, 1)
+               : (int)fmi3GetBinary(slave->instance, &variable->reference, 1, &size, &place, 1);
+}
+
 #define SET(TYPE)                                                                                                    \
     {                                                                                                                \
         fmi3##TYPE typed[MAX_ELEMENTS];                                                                              \
@@ -96,6 +106,7 @@ int slave_get(Slave *slave, const Variable *variable, double *values)
     case UINT64: GET(UInt64)
     case BOOLEAN: GET(Boolean)
     case ENUMERATION: GET(Int64)
+    case BINARY: return move_binary(slave, variable, false);
     case VALUE_TYPES: break;
     }
     return ERROR;
@@ -110,6 +121,7 @@ int slave_set(Slave *slave, const Variable *variable, const double *values)
     case UINT64: SET(UInt64)
     case BOOLEAN: SET(Boolean)
     case ENUMERATION: SET(Int64)
+    case BINARY: return move_binary(slave, variable, true);
     case VALUE_TYPES: break;
     }
     return ERROR;
@@ -131,6 +143,15 @@ static size_t stream_elements(Slave *slave, const Variable *variable)
 size_t slave_get_stream(Slave *slave, const Variable *variable, void *bytes, size_t size)
 {
     size_t count = stream_elements(slave, variable);
+    if (variable->type == BINARY) {
+        size_t given = 0;
+        fmi3Binary place = NULL;
+        CHECK(count <= size, "%s has %zu bytes", variable->name, count);
+        CHECK(fmi3GetBinary(slave->instance, &variable->reference, 1, &given, &place, 1) == fmi3OK, "%s", slave->log.text);
+        CHECK(given == count, "%s has %zu bytes, not %zu", variable->name, given, count);
+        memcpy(bytes, place, count);
+        return count;
+    }
     bool integers = variable->type == INT32;
     size_t needed = count * (integers ? sizeof(fmi3Int32) : sizeof(fmi3Float32));
     CHECK(needed <= size, "%s has %zu bytes", variable->name, needed);

@@ -293,3 +293,14 @@ def test_every_width_of_vector_gives_the_same_bits(tmp_path: Path) -> None:
                 pose(skin, **GENERAL)
             for stream in ("vertices", "normals"):
                 assert wide.get(stream).tobytes() == plain.get(stream).tobytes()
+
+
+def test_one_binary_variable_has_the_whole_mesh() -> None:
+    with arm("compensated", vertex_count=1024) as skin:
+        pose(skin, **GENERAL)
+        mesh = np.frombuffer(skin.get("mesh"), np.float32).reshape(2, 3, 1024)
+        assert np.array_equal(mesh[0], skin.get("vertices"))
+        assert np.array_equal(mesh[1], skin.get("normals"))
+        bend(skin, "y", 30)
+        again = np.frombuffer(skin.get("mesh"), np.float32).reshape(2, 3, 1024)
+        assert np.array_equal(again[0], skin.get("vertices")) and not np.array_equal(again, mesh)

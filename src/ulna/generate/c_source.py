@@ -19,6 +19,7 @@ NUMBER_TYPES = {
     "UInt64": "UINT64",
     "Boolean": "BOOLEAN",
     "Enumeration": "ENUMERATION",
+    "Binary": "BINARY",
 }
 CAUSALITIES = {
     "independent": "INDEPENDENT",

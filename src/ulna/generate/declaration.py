@@ -25,7 +25,10 @@ class DeclarationError(ValueError):
 
 @dataclass(frozen=True)
 class Variable:
-    """One variable of a unit. `size` holds numbers and names of structural parameters; () is a scalar."""
+    """One variable of a unit.
+
+    `size` holds numbers and names of structural parameters; () is a scalar. Of a Binary it is the number of bytes.
+    """
 
     name: str
     causality: str
@@ -44,6 +47,7 @@ class Variable:
     rate: str | None = None
     group: str | None = None
     stream: bool = False
+    mime_type: str = "application/octet-stream"
     depends: tuple[str, ...] = ()
     terminal: tuple[str, ...] = ()
     fmi: tuple[int, ...] = (2, 3)

@@ -151,6 +151,10 @@ def _fmi3_variable(unit: Declaration, parent: ET.Element, v: Variable) -> None:
         **_limits(v),
         derivative=unit.by_name(v.derivative_of).reference if v.derivative_of else None,
     )
+    if v.type == "Binary":
+        # its size in bytes is no dimension: it is given with each value
+        element.set("mimeType", v.mime_type)
+        return
     for n in v.size:
         if isinstance(n, int):
             _add(element, "Dimension", start=n)

@@ -17,7 +17,7 @@ OPTIONAL = (
     "terminal",
 )
 KINDS = ("co-simulation", "model-exchange")
-TYPES = ("Float64", "Float32", "Int32", "UInt64", "Boolean", "Enumeration")
+TYPES = ("Float64", "Float32", "Int32", "UInt64", "Boolean", "Enumeration", "Binary")
 VARIABILITIES = ("constant", "fixed", "tunable", "discrete", "continuous")
 C_KEYWORDS = frozenset(
     "auto break case char const continue default do double else enum extern float for goto if inline int long real "
@@ -61,6 +61,7 @@ RULES: tuple[tuple[Callable[["Variable"], bool], str], ...] = (
         "has a dimension that is a structural parameter: only a stream may",
     ),
     (lambda v: any(isinstance(n, int) and n < 1 for n in v.size), "has a dimension below 1"),
+    (lambda v: v.type == "Binary" and not v.stream, "is Binary, but no stream"),
     (lambda v: v.stream and v.causality != "local", "is a stream, but not local"),
     (lambda v: v.state and (v.causality != "output" or v.type != "Float64"), "is a state, but no Float64 output"),
     (lambda v: any(isinstance(x, str) for x in _numbers(v)), "has a start or a limit that is no number"),

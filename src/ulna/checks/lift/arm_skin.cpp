@@ -4,16 +4,12 @@
 #define float Real
 #define restrict
 #define sqrtf sqrt
+#define fabsf fabs
+#define copysignf copysign
 #include "mesh.h"
 #include "vertices.h"
 #include "rings.h"
 #undef float
-
-// The twist along the forearm is left out of what follows.
-static Twist twist_at(const SkinMotion *, Real)
-{
-    return {};
-}
 
 static Bend bend_of(Lift &lift)
 {
