@@ -101,8 +101,10 @@ static void pend_echo(UltrasonicSensor *sensor, Detection found)
     double error = sensor->noise > 0.0 ? sensor->noise * normal_number(sensor->seed, sensor->sequence) : 0.0;
     sensor->pending_flight = found.echo.time;
     sensor->pending_width = greater(found.crossing - sensor->echo_start, 0.0);
-    sensor->pending_distance =
-        reported_distance(sensor, distance_of_time(found.echo.time, speed, sensor->baseline), error);
+    /* sound that went straight from transmitter to receiver comes from no distance */
+    bool reflected = speed * found.echo.time > sensor->baseline;
+    double distance = reflected ? distance_of_time(found.echo.time, speed, sensor->baseline) : 0.0;
+    sensor->pending_distance = reported_distance(sensor, distance, error);
     sensor->pending_device = reported_distance(sensor, DEVICE_SPEED * sensor->pending_width, error);
 }
 
