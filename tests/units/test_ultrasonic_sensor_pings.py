@@ -279,44 +279,6 @@ def test_periodic_pings_that_fall_into_a_flight_are_lost():
         assert sensor.get("sequence") == 10
 
 
-def run_with_trigger(edges: list[tuple[float, bool]], until: float, period: float) -> int:
-    """Number of pings finished when the trigger takes these values at these times [s]."""
-    with started(period=period, **EXACT, **WALL) as sensor:
-        now = 0.0
-        for time, value in edges:
-            if time > now:
-                sensor.step(now, time - now)
-                now = time
-            sensor.set("trigger", value)
-        sensor.step(now, until - now)
-        return sensor.get("sequence")
-
-
-def test_without_period_only_rising_edges_start_pings():
-    assert run_with_trigger([], 1.0, period=0.0) == 0
-    assert run_with_trigger([(0.0, True)], 1.0, period=0.0) == 1
-    assert run_with_trigger([(0.1, True), (0.3, False)], 1.0, period=0.0) == 1
-    assert run_with_trigger([(0.1, True), (0.2, False), (0.3, True)], 1.0, period=0.0) == 2
-
-
-def test_a_trigger_in_flight_is_lost():
-    edges = [(0.1, True), (0.102, False), (0.103, True)]
-    assert run_with_trigger(edges, 0.107, period=0.0) == 1  # the flight takes 5.8 ms and is not begun anew
-    assert run_with_trigger(edges, 1.0, period=0.0) == 1
-
-
-def test_a_trigger_at_the_very_end_of_a_flight_starts_the_next():
-    end = ping(**EXACT, **WALL)["echo_width"]
-    assert run_with_trigger([(0.0, True), (0.001, False), (end, True)], 1.0, period=0.0) == 2
-
-
-def test_a_trigger_adds_a_ping_and_leaves_the_period_alone():
-    assert run_with_trigger([], 0.29, period=0.1) == 3
-    assert run_with_trigger([(0.05, True)], 0.29, period=0.1) == 4
-    assert run_with_trigger([(0.05, True)], 0.099, period=0.1) == 2
-    assert run_with_trigger([(0.098, True)], 0.29, period=0.1) == 3  # the one at 0.1 falls into its flight
-
-
 @pytest.mark.parametrize("version", ["2.0", "3.0"])
 def test_saved_in_flight_and_restored_it_goes_on_the_same_to_the_bit(version):
     def rest(sensor):
