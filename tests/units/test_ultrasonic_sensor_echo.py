@@ -7,17 +7,14 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 from test_ultrasonic_sensor import BASELINE, EAR, ROUND_OFF, sound_speed_of_mixture
-from ultrasonic_sensor_truth import (
-    Agreement,
-    Device,
-    box_surface,
-    capsule_surface,
-    image_source,
-    kirchhoff,
-    rigid_sphere,
-)
 
 from ulna import Slave, UnitError
+from ulna.checks.textbook import load_model
+
+hearing, echoes, surfaces = (load_model(f"ultrasonic_sensor.{part}") for part in ("hearing", "echoes", "surfaces"))
+Agreement, Device = hearing.Agreement, hearing.Device
+image_source, rigid_sphere, kirchhoff = echoes.image_source, echoes.rigid_sphere, echoes.kirchhoff
+box_surface, capsule_surface = surfaces.box_surface, surfaces.capsule_surface
 
 READ = ("distance", "device_distance", "time_of_flight", "echo_width", "valid", "level", "speed_of_sound", "absorption")
 WALL = {"plane_point": [1.0, 0.0, 0.0], "plane_normal": [-1.0, 0.0, 0.0]}
