@@ -92,6 +92,10 @@ class Device:
         k = above[0]
         return times[k] - (envelope[k] - threshold) / (envelope[k] - envelope[k - 1]) * (times[k] - times[k - 1])
 
+    def level(self, spectrum: Complex) -> float:
+        """Level in dB of the echoes at their loudest."""
+        return float(20 * np.log10(self.envelope(spectrum)[1].max()))
+
     def beam(self, directions: Array) -> Complex:
         """Amplitude [..., n] of the piston towards directions [..., 3] from it; nothing behind it."""
         sine = np.sqrt(np.clip(1 - directions[..., 0] ** 2, 0, None))
