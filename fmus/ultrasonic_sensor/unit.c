@@ -84,6 +84,12 @@ static double ping_time(const UltrasonicSensor *sensor, uint64_t ping)
     return sensor->period > 0.0 ? sensor->start_time + (double)ping * sensor->period : INFINITY;
 }
 
+/* Of the same ping, the burst. */
+static double burst_time(const UltrasonicSensor *sensor, uint64_t ping)
+{
+    return (sensor->start_time + sensor->trigger_latency) + (double)ping * sensor->period;
+}
+
 /* The bits of seed and counter well mixed: the finalizer of SplitMix64, Steele et al. 2014. */
 static uint64_t mixed(uint64_t bits)
 {
@@ -120,8 +126,10 @@ static void pend_echo(UltrasonicSensor *sensor, Detection found)
     double error = sensor->noise > 0.0 ? sensor->noise * normal_number(sensor->seed, sensor->sequence) : 0.0;
     sensor->pending_flight = found.echo.time;
     sensor->pending_width = greater(found.crossing - sensor->echo_start, 0.0);
-    sensor->pending_distance =
-        reported_distance(sensor, distance_of_time(found.echo.time, speed, sensor->baseline), error);
+    /* sound that went straight from transmitter to receiver comes from no distance */
+    bool reflected = speed * found.echo.time > sensor->baseline;
+    double distance = reflected ? distance_of_time(found.echo.time, speed, sensor->baseline) : 0.0;
+    sensor->pending_distance = reported_distance(sensor, distance, error);
     sensor->pending_device = reported_distance(sensor, DEVICE_SPEED * sensor->pending_width, error);
 }
 
@@ -133,8 +141,15 @@ static void pend_silence(UltrasonicSensor *sensor, double end)
     sensor->pending_device = DEVICE_SPEED * end;
 }
 
-static void start_ping(UltrasonicSensor *sensor, double emission)
+static void await_burst(UltrasonicSensor *sensor, double emission)
 {
+    sensor->waiting = true;
+    sensor->emission_time = emission;
+}
+
+static void emit_burst(UltrasonicSensor *sensor)
+{
+    double emission = sensor->emission_time;
     Detection found = first_echo(sensor, emission);
     double time_out = sensor->time_out > 0.0 ? sensor->time_out : sensor->farthest_time;
     sensor->pending_valid = isfinite(found.crossing);
@@ -145,6 +160,7 @@ static void start_ping(UltrasonicSensor *sensor, double emission)
         pend_silence(sensor, time_out);
     }
     sensor->finish_time = emission + (sensor->pending_valid ? found.crossing : time_out);
+    sensor->waiting = false;
     sensor->in_flight = true;
 }
 
@@ -169,26 +185,31 @@ static double ultrasonic_sensor_next_event(const UltrasonicSensor *sensor)
     if (trigger_rises(sensor)) {
         return sensor->time;
     }
+    if (sensor->waiting) {
+        return sensor->emission_time;
+    }
     return sensor->in_flight ? sensor->finish_time : ping_time(sensor, sensor->next_ping);
 }
 
 /* One event at a time, the earliest; its own time counts, which `time` may miss by a rounding. A
- * trigger during a flight is lost. */
+ * trigger while a ping waits or flies is lost. */
 static void ultrasonic_sensor_event(UltrasonicSensor *sensor)
 {
-    bool finished = sensor->in_flight && sensor->finish_time <= sensor->time;
+    bool waiting = sensor->waiting, busy = waiting || sensor->in_flight;
+    bool due = busy && (waiting ? sensor->emission_time : sensor->finish_time) <= sensor->time;
     notice_inputs(sensor);
-    if (trigger_rises(sensor) && !finished) {
+    if (trigger_rises(sensor) && !due) {
         sensor->trigger_before = true;
-        if (!sensor->in_flight) {
-            start_ping(sensor, sensor->time);
+        if (!busy) {
+            await_burst(sensor, sensor->time + sensor->trigger_latency);
         }
-    } else if (sensor->in_flight) {
+    } else if (waiting) {
+        emit_burst(sensor);
+    } else if (busy) {
         finish_ping(sensor);
     } else {
-        double emission = ping_time(sensor, sensor->next_ping);
+        await_burst(sensor, burst_time(sensor, sensor->next_ping));
         sensor->next_ping++;
-        start_ping(sensor, emission);
     }
 }
 
