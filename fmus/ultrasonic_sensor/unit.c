@@ -2,6 +2,7 @@
 #include "unit.h"
 #include "surroundings.c"
 
+#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
@@ -15,6 +16,23 @@
 
 #define DEVICE_SPEED (0.01 / 58e-6) /* m/s of echo width: the sheet's 58 us a centimetre */
 #define SHORTEST_PERIOD 0.001 /* s; the air is not silent sooner, and each ping costs an event */
+
+static Status check_triangles(const UltrasonicSensor *sensor, Log *log)
+{
+    const int32_t *vertices = ultrasonic_sensor_surface_triangles(sensor);
+    uint64_t count = 6 * sensor->surface_vertex_count;
+    uint32_t largest = 0;
+    for (uint64_t k = 0; k < count; k++) {
+        largest = (uint32_t)vertices[k] > largest ? (uint32_t)vertices[k] : largest;
+    }
+    for (uint64_t k = 0; largest >= sensor->surface_vertex_count && k < count; k++) {
+        if ((uint32_t)vertices[k] == largest) {
+            return report(log, STATUS_ERROR, "surface_triangles[%" PRIu64 "] = %" PRId32 "; allowed range: 0 to "
+                          "surface_vertex_count - 1, here %" PRIu64, k + 1, vertices[k], sensor->surface_vertex_count - 1);
+        }
+    }
+    return STATUS_OK;
+}
 
 static Status ultrasonic_sensor_check(const UltrasonicSensor *sensor, Log *log)
 {
@@ -38,7 +56,7 @@ static Status ultrasonic_sensor_check(const UltrasonicSensor *sensor, Log *log)
                       "velocity = %g m/s, sphere_velocity = %g m/s in length; allowed range: below the speed of sound "
                       "(%g m/s)", norm(sensor->velocity), norm(sensor->sphere_velocity), sound);
     }
-    return STATUS_OK;
+    return check_triangles(sensor, log);
 }
 
 /* An input belongs to the time at which it took its value; from there it moves with its velocity. */
