@@ -90,7 +90,7 @@ def measure_sensor(quick: bool = False) -> dict[str, Any]:
     return {
         "about": {"threshold": THRESHOLD, "wrong": WRONG, "side": side, "fidelities": fidelities},
         "cells": [row for fidelity in fidelities for target in MAPS for row in cells(fidelity, target, side)],
-        "gaps": list(gaps(25 if quick else 101)),
+        "gaps": list(gaps(25 if quick else 97)),
         "temperatures": list(temperatures(10.0 if quick else 5.0)),
         "grazing": [row for fidelity in fidelities for row in grazing(fidelity, 6.0 if quick else 2.0)],
         "beam": [row for target in TARGETS for row in beam(target, 15.0 if quick else 3.0)],
@@ -192,13 +192,17 @@ def beam(target: str, step: float) -> Iterator[dict[str, Any]]:
     for degrees in np.arange(-75.0, 75.1, step):
         aside = math.radians(degrees)
         measured = theory.farthest(lambda d, a=aside: ears.hears(made(d, a)), NEAR_FIELD, FARTHEST - 1e-3)
-        yield {"target": target, "angle": float(degrees), "measured": measured, "theory": heard_to(target, aside)}
+        yield {
+            "target": target,
+            "angle": float(degrees),
+            "measured": measured,
+            "theory": heard_to(target, aside, ears.air),
+        }
 
 
-def heard_to(target: str, aside: float) -> float:
+def heard_to(target: str, aside: float, here: theory.Air) -> float:
     """By theory, m."""
     _, mirror, radius = TARGETS[target]
-    here = theory.air()
 
     def audible(distance: float) -> bool:
         return theory.level(mirror, distance, aside, radius, here) >= THRESHOLD

@@ -138,7 +138,7 @@ def _beam(ax: PolarAxes, found: dict[str, Any]) -> None:
     for target, (words, color, mark) in BEAMS.items():
         rows = [row for row in found["beam"] if row["target"] == target]
         around = np.radians(np.linspace(rows[0]["angle"], rows[-1]["angle"], 251))
-        ax.plot(around, [heard_to(target, angle) for angle in around], color=color, linewidth=1.4)
+        ax.plot(around, [heard_to(target, angle, theory.air()) for angle in around], color=color, linewidth=1.4)
         angles = np.radians([row["angle"] for row in rows])
         ax.plot(angles, [row["measured"] for row in rows], mark, color=color, markersize=4, label=words)
     half = FIELD_OF_VIEW / 2

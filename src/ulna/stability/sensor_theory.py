@@ -137,11 +137,6 @@ def interference(gap: float, ratio: float, here: Air) -> float:
     return 20 * math.log10(np.abs(total).max() / first.max())
 
 
-def quarter_wave(here: Air) -> float:
-    """m: of two echoes so far apart the second is half a wave late."""
-    return here.speed / FREQUENCY / 4
-
-
 def firmware_error(celsius: float, humidity: float) -> float:
     """Of the distance that 58 us a centimetre gives, relative."""
     return FIRMWARE * 2 / speed_of_sound(celsius, humidity) - 1
