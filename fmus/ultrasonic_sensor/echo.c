@@ -1,7 +1,6 @@
 /* UltrasonicSensor: what a ping hears, on each step of the ladder of fidelity. */
 
-/* One from the blind zone, or from beyond the range, does not count. A plane between transmitter and
- * receiver gives c t < b, which is in the blind zone. */
+/* A ray knows no ringing: one from the blind zone, or from beyond the range, does not count. */
 static bool counts(const UltrasonicSensor *sensor, Echo echo)
 {
     return echo.time >= sensor->nearest_time && echo.time <= sensor->farthest_time;
@@ -39,13 +38,23 @@ static void keep_late(UltrasonicSensor *sensor, const Echoes *echoes, double emi
     }
 }
 
-/* Puts those that count first; returns how many. */
-static int those_that_count(const UltrasonicSensor *sensor, Echoes *echoes)
+/* What the receiver hears of its own transmitter: straight along the baseline. */
+static void add_coupling(const UltrasonicSensor *sensor, const Transceiver *pair, Echoes *echoes)
+{
+    if (sensor->coupling > NO_ECHO_LEVEL) {
+        Vector offset = subtract(pair->receiver, pair->transmitter);
+        double time = arrival_time(offset, pair->velocity, sensor->speed_of_sound);
+        add_echo(echoes, (Echo){.time = time, .level = sensor->coupling});
+    }
+}
+
+/* Puts those that arrive in time first; returns how many. */
+static int those_in_time(const UltrasonicSensor *sensor, Echoes *echoes)
 {
     int place = 0;
     for (int i = 0; i < echoes->count; i++) {
         Echo echo = echoes->echo[i];
-        if (counts(sensor, echo)) {
+        if (echo.time <= sensor->farthest_time) {
             echoes->echo[i] = echoes->echo[place];
             echoes->echo[place++] = echo;
         }
@@ -58,8 +67,9 @@ static Detection hear_echoes(UltrasonicSensor *sensor, const Surroundings *aroun
     Echoes echoes;
     echoes.count = 0;
     specular_echoes(sensor, around, &echoes);
+    add_coupling(sensor, &around->pair, &echoes);
     add_late(sensor, emission, &echoes);
-    Detection found = detect(sensor, echoes.echo, those_that_count(sensor, &echoes));
+    Detection found = detect(sensor, echoes.echo, those_in_time(sensor, &echoes));
     keep_late(sensor, &echoes, emission, lesser(found.crossing, sensor->farthest_time));
     return found;
 }

@@ -170,6 +170,18 @@ static double cross_before(Sum *sum, double until, double threshold)
     return INFINITY;
 }
 
+/* Up to where the comparator opens, or to `until`: true where it opens to a sum above the threshold. */
+static bool loud_at_opening(Sum *sum, double until, double opening, double threshold)
+{
+    if (sum->time >= opening) {
+        return false;
+    }
+    double there = lesser(until, opening), later = there - sum->time;
+    advance_sum(sum, later, exp(-later));
+    sum->time = there;
+    return there == opening && square_of(value_after(sum, 0.0)) >= threshold;
+}
+
 static int by_time(Onset *onsets, int count, Onset onset)
 {
     int place = count;
@@ -205,12 +217,14 @@ static Echo heaviest(const UltrasonicSensor *sensor, const Echo *echoes, int ech
     return best;
 }
 
-/* The sum of all, from its first echo on. */
+/* The sum of all, from its first echo on. While the transmitter rings the comparator is deaf: an echo that
+ * comes before it opens is heard then, if it still rings loud enough. */
 static Detection detect_sum(const UltrasonicSensor *sensor, const Echo *echoes, int echo_count)
 {
     Onset onsets[2 * MOST_ECHOES];
     int count = 0;
     double unit_time = sensor->ring_time, threshold = sensor->peak * sensor->peak;
+    double opening = sensor->nearest_time / unit_time;
     for (int i = 0; i < echo_count; i++) {
         Phasor amplitude = phasor_of(sensor, echoes[i]);
         double arrival = echoes[i].time / unit_time;
@@ -226,14 +240,17 @@ static Detection detect_sum(const UltrasonicSensor *sensor, const Echo *echoes, 
         Phasor slope = phasor_product((Phasor){1.0, onsets[i].dispersion}, onsets[i].amplitude);
         sum.slope = phasor_sum(sum.slope, 1.0, slope);
         /* the loudest of the last echo comes within one more peak time */
-        double until = i + 1 < count ? onsets[i + 1].time : sum.time + sensor->peak_time;
-        crossing = unit_time * cross_before(&sum, until, threshold);
+        double until = i + 1 < count ? onsets[i + 1].time : greater(sum.time + sensor->peak_time, opening);
+        crossing = loud_at_opening(&sum, until, opening, threshold)
+            ? sensor->nearest_time
+            : unit_time * cross_before(&sum, until, threshold);
     }
     return isfinite(crossing) ? (Detection){crossing, heaviest(sensor, echoes, echo_count, crossing)}
                               : (Detection){INFINITY, silence};
 }
 
-/* Most often the first echo passes the threshold before the second arrives: then in closed form. */
+/* Most often the first echo passes the threshold after the comparator has opened and before the second
+ * arrives: then in closed form. */
 static Detection detect(const UltrasonicSensor *sensor, const Echo *echoes, int echo_count)
 {
     Echo first = silence;
@@ -244,9 +261,10 @@ static Detection detect(const UltrasonicSensor *sensor, const Echo *echoes, int 
     }
     if (first.level >= sensor->threshold) {
         double crossing = first.time + rise_time(sensor, (first.level - sensor->threshold) / DECIBEL_PER_NEPER, first);
-        if (crossing <= second) {
+        if (crossing >= sensor->nearest_time && crossing <= second) {
             return (Detection){crossing, first};
         }
     }
-    return echo_count > 1 ? detect_sum(sensor, echoes, echo_count) : (Detection){INFINITY, silence};
+    bool several = echo_count > 1 || first.level >= sensor->threshold;
+    return several ? detect_sum(sensor, echoes, echo_count) : (Detection){INFINITY, silence};
 }

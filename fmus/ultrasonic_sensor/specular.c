@@ -15,7 +15,9 @@ static Echo echo_of_path(const UltrasonicSensor *sensor, const Transceiver *pair
                          double reflection)
 {
     bool in_front = dot(path->incident, pair->axis) > 0.0 && dot(path->reflected, pair->receiver_axis) < 0.0;
-    bool outside = dot(path->incident, path->normal) < 0.0 && dot(path->reflected, path->normal) > 0.0;
+    /* a plane between transmitter and receiver has its mirror point behind the receiver */
+    bool outside = dot(path->incident, path->normal) < 0.0 && dot(path->reflected, path->normal) > 0.0
+        && path->second > 0.0;
     if (!in_front || !outside || !(reflection > 0.0)) {
         return silence;
     }

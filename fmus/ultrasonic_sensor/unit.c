@@ -2,6 +2,7 @@
 #include "unit.h"
 #include "surroundings.c"
 
+#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
@@ -13,6 +14,23 @@
 
 #define DEVICE_SPEED (0.01 / 58e-6) /* m/s of echo width: the sheet's 58 us a centimetre */
 #define SHORTEST_PERIOD 0.001 /* s; the air is not silent sooner, and each ping costs an event */
+
+static Status check_triangles(const UltrasonicSensor *sensor, Log *log)
+{
+    const int32_t *vertices = ultrasonic_sensor_surface_triangles(sensor);
+    uint64_t count = 6 * sensor->surface_vertex_count;
+    uint32_t largest = 0;
+    for (uint64_t k = 0; k < count; k++) {
+        largest = (uint32_t)vertices[k] > largest ? (uint32_t)vertices[k] : largest;
+    }
+    for (uint64_t k = 0; largest >= sensor->surface_vertex_count && k < count; k++) {
+        if ((uint32_t)vertices[k] == largest) {
+            return report(log, STATUS_ERROR, "surface_triangles[%" PRIu64 "] = %" PRId32 "; allowed range: 0 to "
+                          "surface_vertex_count - 1, here %" PRIu64, k + 1, vertices[k], sensor->surface_vertex_count - 1);
+        }
+    }
+    return STATUS_OK;
+}
 
 static Status ultrasonic_sensor_check(const UltrasonicSensor *sensor, Log *log)
 {
@@ -36,7 +54,7 @@ static Status ultrasonic_sensor_check(const UltrasonicSensor *sensor, Log *log)
                       "velocity = %g m/s, sphere_velocity = %g m/s in length; allowed range: below the speed of sound "
                       "(%g m/s)", norm(sensor->velocity), norm(sensor->sphere_velocity), sound);
     }
-    return STATUS_OK;
+    return check_triangles(sensor, log);
 }
 
 /* An input belongs to the time at which it took its value; from there it moves with its velocity. */
@@ -63,6 +81,12 @@ static bool trigger_rises(const UltrasonicSensor *sensor)
 static double ping_time(const UltrasonicSensor *sensor, uint64_t ping)
 {
     return sensor->period > 0.0 ? sensor->start_time + (double)ping * sensor->period : INFINITY;
+}
+
+/* Of the same ping, the burst. */
+static double burst_time(const UltrasonicSensor *sensor, uint64_t ping)
+{
+    return (sensor->start_time + sensor->trigger_latency) + (double)ping * sensor->period;
 }
 
 /* The bits of seed and counter well mixed: the finalizer of SplitMix64, Steele et al. 2014. */
@@ -101,8 +125,10 @@ static void pend_echo(UltrasonicSensor *sensor, Detection found)
     double error = sensor->noise > 0.0 ? sensor->noise * normal_number(sensor->seed, sensor->sequence) : 0.0;
     sensor->pending_flight = found.echo.time;
     sensor->pending_width = greater(found.crossing - sensor->echo_start, 0.0);
-    sensor->pending_distance =
-        reported_distance(sensor, distance_of_time(found.echo.time, speed, sensor->baseline), error);
+    /* sound that went straight from transmitter to receiver comes from no distance */
+    bool reflected = speed * found.echo.time > sensor->baseline;
+    double distance = reflected ? distance_of_time(found.echo.time, speed, sensor->baseline) : 0.0;
+    sensor->pending_distance = reported_distance(sensor, distance, error);
     sensor->pending_device = reported_distance(sensor, DEVICE_SPEED * sensor->pending_width, error);
 }
 
@@ -114,8 +140,15 @@ static void pend_silence(UltrasonicSensor *sensor, double end)
     sensor->pending_device = DEVICE_SPEED * end;
 }
 
-static void start_ping(UltrasonicSensor *sensor, double emission)
+static void await_burst(UltrasonicSensor *sensor, double emission)
 {
+    sensor->waiting = true;
+    sensor->emission_time = emission;
+}
+
+static void emit_burst(UltrasonicSensor *sensor)
+{
+    double emission = sensor->emission_time;
     Detection found = first_echo(sensor, emission);
     double time_out = sensor->time_out > 0.0 ? sensor->time_out : sensor->farthest_time;
     sensor->pending_valid = isfinite(found.crossing);
@@ -126,6 +159,7 @@ static void start_ping(UltrasonicSensor *sensor, double emission)
         pend_silence(sensor, time_out);
     }
     sensor->finish_time = emission + (sensor->pending_valid ? found.crossing : time_out);
+    sensor->waiting = false;
     sensor->in_flight = true;
 }
 
@@ -150,26 +184,31 @@ static double ultrasonic_sensor_next_event(const UltrasonicSensor *sensor)
     if (trigger_rises(sensor)) {
         return sensor->time;
     }
+    if (sensor->waiting) {
+        return sensor->emission_time;
+    }
     return sensor->in_flight ? sensor->finish_time : ping_time(sensor, sensor->next_ping);
 }
 
 /* One event at a time, the earliest; its own time counts, which `time` may miss by a rounding. A
- * trigger during a flight is lost. */
+ * trigger while a ping waits or flies is lost. */
 static void ultrasonic_sensor_event(UltrasonicSensor *sensor)
 {
-    bool finished = sensor->in_flight && sensor->finish_time <= sensor->time;
+    bool waiting = sensor->waiting, busy = waiting || sensor->in_flight;
+    bool due = busy && (waiting ? sensor->emission_time : sensor->finish_time) <= sensor->time;
     notice_inputs(sensor);
-    if (trigger_rises(sensor) && !finished) {
+    if (trigger_rises(sensor) && !due) {
         sensor->trigger_before = true;
-        if (!sensor->in_flight) {
-            start_ping(sensor, sensor->time);
+        if (!busy) {
+            await_burst(sensor, sensor->time + sensor->trigger_latency);
         }
-    } else if (sensor->in_flight) {
+    } else if (waiting) {
+        emit_burst(sensor);
+    } else if (busy) {
         finish_ping(sensor);
     } else {
-        double emission = ping_time(sensor, sensor->next_ping);
+        await_burst(sensor, burst_time(sensor, sensor->next_ping));
         sensor->next_ping++;
-        start_ping(sensor, emission);
     }
 }
 

@@ -34,6 +34,7 @@ class Device:
     periods: float = 8.0
     baseline: float = 0.026
     minimum_time: float = 0.0
+    """When the comparator opens, s."""
     maximum_time: float = 0.0234
     window: float = 0.03
     """Length of the record in s: spectra have lines 1/window apart."""
@@ -82,7 +83,10 @@ class Device:
         return np.arange(count) * pitch, np.abs(shaped(burst * spectrum)) / alone
 
     def heard(self, spectrum: Complex) -> float:
-        """Time in s at which the echoes pass the threshold, infinity for never; between samples by a line."""
+        """Time in s at which the echoes pass the threshold, infinity for never; between samples by a line.
+
+        What is above the threshold when the comparator opens is heard then.
+        """
         times, envelope = self.envelope(spectrum)
         threshold = 10 ** (self.threshold / 20)
         within = (times >= self.minimum_time) & (times <= self.maximum_time)
@@ -90,6 +94,8 @@ class Device:
         if not above.size:
             return np.inf
         k = above[0]
+        if k == 0 or (times[k - 1] < self.minimum_time and np.interp(self.minimum_time, times, envelope) >= threshold):
+            return self.minimum_time
         return times[k] - (envelope[k] - threshold) / (envelope[k] - envelope[k - 1]) * (times[k] - times[k - 1])
 
     def level(self, spectrum: Complex) -> float:

@@ -33,7 +33,7 @@ static const Variable *instance_find(Instance *instance, const char *call, uint3
 
 static const char *element_name(const Variable *variable, uint32_t element, char *text, size_t size)
 {
-    if (variable->count == 1) {
+    if (variable->count == 1 && !variable->size_of) {
         return variable->name;
     }
     snprintf(text, size, "%s[%u]", variable->name, (unsigned)element + 1);

@@ -37,7 +37,7 @@ static const Variable *scalar(Instance *instance, const char *call, uint32_t ref
         return NULL;
     }
     bool integer = type == INT32 && (variable->type == ENUMERATION || variable->type == UINT64);
-    if ((variable->type != type && !integer) || variable->group == STREAM) {
+    if ((variable->type != type && !integer) || !is_field(variable)) {
         report(&instance->log, STATUS_ERROR, "%s: %s is of type %s", call, variable->name, type_names[variable->type]);
         return NULL;
     }

@@ -8,7 +8,7 @@ static void load_complex(char *values, const double *by_reference, const double 
     for (size_t i = 0; i < sizeof variables / sizeof *variables; i++) {
         const Variable *variable = &variables[i];
         char *place = values + variable->offset;
-        for (uint32_t k = 0; variable->group != STREAM && k < variable->count; k++) {
+        for (uint32_t k = 0; is_field(variable) && k < variable->count; k++) {
             double value = by_reference[variable->reference + k];
             switch ((ValueType)variable->type) {
             case FLOAT64: {
@@ -48,7 +48,7 @@ void DIRECTIONAL(const double *by_reference, const void *workspace, bool initial
     for (size_t i = 0; i < sizeof variables / sizeof *variables; i++) {
         const Variable *variable = &variables[i];
         const double *parts = (const double *)(const void *)((const char *)&values + variable->offset);
-        for (uint32_t k = 0; variable->type == FLOAT64 && variable->group != STREAM && k < variable->count; k++) {
+        for (uint32_t k = 0; variable->type == FLOAT64 && is_field(variable) && k < variable->count; k++) {
             sensitivity[variable->reference + k] = parts[2 * k + 1] / COMPLEX_STEP;
         }
     }

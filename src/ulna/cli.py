@@ -28,7 +28,8 @@ from .plot import filmstrip, plot
 from .report import summary
 from .results import Results
 from .scene import Scene
-from .skin_import import import_skin
+from .skin_automatic import JOINTS
+from .skin_import import import_skin, import_unrigged
 from .slave import UnitError
 from .stability.command import stability
 from .view import write_view
@@ -153,7 +154,7 @@ def bench(
 
 @skin.command("import")
 def skin_import(
-    file: Annotated[Path, typer.Argument(metavar="FILE.glb", help="A rigged mesh, glTF 2.0, binary.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A mesh: .glb; with auto weights .obj, .ply, .stl too.")],
     out: Annotated[Path, typer.Option(help="FMU to write.")],
     upper_arm: Annotated[
         str | None, typer.Option(help="Joint at the shoulder; default: what common rigs call it, left before right.")
@@ -164,16 +165,46 @@ def skin_import(
     ] = None,
     mesh: Annotated[str | None, typer.Option(help="The only mesh to take; default: all that both joints move.")] = None,
     version: Annotated[str, typer.Option(help="FMI version: 2.0 or 3.0.")] = "3.0",
+    weights: Annotated[str, typer.Option(help="file: the file's own; auto: bounded biharmonic weights.")] = "file",
+    shoulder: Annotated[str | None, typer.Option(help="With auto: x,y,z in m, y up, or a node's name.")] = None,
+    elbow: Annotated[str | None, typer.Option(help="The same.")] = None,
+    wrist: Annotated[str | None, typer.Option(help="The same.")] = None,
+    blend_half_width: Annotated[
+        float | None, typer.Option(help="With auto: where the bones' hold ends, m from the elbow.")
+    ] = None,
 ) -> None:
-    """Makes an ArmSkin FMU of a rigged mesh: what is below the forearm follows it, all else the upper arm."""
+    """Makes an ArmSkin FMU of a mesh: what is below the forearm follows it, all else the upper arm."""
+    places = (shoulder, elbow, wrist)
     with _mistakes(str(file)):
-        made, bones = import_skin(file, out, upper_arm=upper_arm, forearm=forearm or (), mesh=mesh, version=version)
+        if weights not in ("file", "auto"):
+            raise ValueError(f"--weights {weights}; allowed: file, auto")
+        automatic = weights == "auto"
+        wrong = (upper_arm, *(forearm or ())) if automatic else (*places, blend_half_width)
+        if any(value is not None for value in wrong) or (automatic and None in places):
+            raise ValueError(
+                "--shoulder, --elbow and --wrist belong to --weights auto, which needs all three; --upper-arm and "
+                "--forearm to --weights file"
+            )
+        if automatic:
+            joints = [_place(place) for place in places]
+            made = import_unrigged(file, out, joints, mesh=mesh, half_width=blend_half_width, version=version)
+            bones = places
+        else:
+            made, bones = import_skin(file, out, upper_arm=upper_arm, forearm=forearm or (), mesh=mesh, version=version)
     table = Table(show_header=False, title=str(out), title_justify="left")
-    table.add_row("upper arm, forearm", escape(", ".join(bones)))
+    table.add_row(", ".join(JOINTS if automatic else ("upper arm", "forearm")), escape("; ".join(bones)))
     table.add_row("vertices, triangles", f"{len(made.vertices)}, {len(made.triangles)}")
     for name in ("upper_arm_length", "forearm_length", "radius", "blend_half_width"):
         table.add_row(name, f"{getattr(made, name):.4g} m")
     console.print(table)
+
+
+def _place(text: str) -> str | list[float]:
+    """Numbers x,y,z, or else a name."""
+    try:
+        return [float(word) for word in text.split(",")]
+    except ValueError:
+        return text
 
 
 def main() -> None:

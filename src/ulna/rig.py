@@ -1,4 +1,4 @@
-"""Reads the rigged meshes of a glTF 2.0 file, .glb, and refuses what it cannot read with the reason."""
+"""Reads the meshes of a glTF 2.0 file, .glb, rigged or not, and refuses what it cannot read with the reason."""
 
 import struct
 import warnings
@@ -84,12 +84,15 @@ class Rig:
         return found
 
 
-def read_rig(path: str | PathLike) -> Rig:
-    """Reads a .glb file. Raises FileNotFoundError, or ValueError that names file, place and allowed range."""
+def read_rig(path: str | PathLike, skinned: bool = True) -> Rig:
+    """Reads a .glb file; without `skinned` all its meshes, each on one joint: its node, or the first of its skin's.
+
+    Raises FileNotFoundError, or ValueError that names file, place and allowed range.
+    """
     content = Path(path).read_bytes()
     try:
         file = _File(content)
-        return file.rig()
+        return file.rig() if skinned else file.meshes()
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from None
     except (KeyError, IndexError, TypeError, AttributeError, struct.error, RecursionError) as error:
@@ -123,26 +126,42 @@ class _File:
         nodes, skins = self.document.nodes, self.document.skins
         if not skins:
             raise ValueError("has no skin; allowed: a mesh with JOINTS_0, WEIGHTS_0 and a skin")
-        names = [node.name or f"node {number}" for number, node in enumerate(nodes)]
-        primitives = [p for node in nodes if node.mesh is not None and node.skin is not None for p in self._node(node)]
-        if not primitives:
+        binds = [(n, self._inverse_bind(skins[n.skin])) for n in nodes if n.mesh is not None and n.skin is not None]
+        if not binds:
             raise ValueError("has a skin that no mesh uses; allowed: a node with both mesh and skin")
+        joints = list(dict.fromkeys(joint for skin in skins for joint in skin.joints))
+        return self._tree(joints, [p for node, bind in binds for p in self._node(node, bind, True)])
+
+    def meshes(self) -> Rig:
+        """Every mesh, as it stands where the file leaves its nodes."""
+        binds = []
+        for number, node in enumerate(self.document.nodes):
+            if node.mesh is not None and node.skin is not None:
+                binds.append((node, dict([next(iter(self._inverse_bind(self.document.skins[node.skin]).items()))])))
+            elif node.mesh is not None:
+                binds.append((node, {number: np.eye(4)}))
+        if not binds:
+            raise ValueError("has no mesh at a node")
+        return self._tree([], [p for node, bind in binds for p in self._node(node, bind, False)])
+
+    def _tree(self, joints: list[int], primitives: list[Primitive]) -> Rig:
+        nodes = self.document.nodes
+        names = [node.name or f"node {number}" for number, node in enumerate(nodes)]
         return Rig(
             names=names,
             parents={child: number for number, node in enumerate(nodes) for child in node.children or []},
             local=[_local(node, name) for node, name in zip(nodes, names, strict=True)],
-            joints=list(dict.fromkeys(joint for skin in skins for joint in skin.joints)),
+            joints=joints,
             primitives=primitives,
         )
 
-    def _node(self, node: gltf.Node) -> list[Primitive]:
-        mesh, skin = self.document.meshes[node.mesh], self.document.skins[node.skin]
+    def _node(self, node: gltf.Node, inverse: dict[int, np.ndarray], skinned: bool) -> list[Primitive]:
+        mesh = self.document.meshes[node.mesh]
         name = mesh.name or f"mesh {node.mesh}"
-        inverse = self._inverse_bind(skin)
         found = []
         for number, primitive in enumerate(mesh.primitives):
             where = f"mesh {name!r}, primitive {number}"
-            found.append(self._primitive(where, name, primitive, inverse))
+            found.append(self._primitive(where, name, primitive, inverse, skinned))
         return found
 
     def _inverse_bind(self, skin: gltf.Skin) -> dict[int, np.ndarray]:
@@ -159,22 +178,20 @@ class _File:
                 raise ValueError(f"the inverse bind matrix of node {joint} has no inverse")
         return dict(zip(skin.joints, matrices, strict=True))
 
-    def _primitive(self, where: str, mesh: str, primitive: gltf.Primitive, inverse: dict[int, np.ndarray]) -> Primitive:
+    def _primitive(
+        self, where: str, mesh: str, primitive: gltf.Primitive, inverse: dict[int, np.ndarray], skinned: bool
+    ) -> Primitive:
         attributes = primitive.attributes
-        for name in ("POSITION", "JOINTS_0", "WEIGHTS_0"):
+        for name in ("POSITION", "JOINTS_0", "WEIGHTS_0") if skinned else ("POSITION",):
             if getattr(attributes, name) is None:
-                raise ValueError(f"{where} has no {name}; allowed: a rigged mesh")
-        if getattr(attributes, "JOINTS_1", None) is not None:
-            raise ValueError(f"{where} has JOINTS_1; allowed range: up to 4 influences a vertex")
+                raise ValueError(f"{where} has no {name}; allowed: a rigged mesh, or --weights auto")
         if primitive.mode not in (None, TRIANGLES):
             raise ValueError(f"{where} is of mode {primitive.mode}; allowed: 4, triangles")
         vertices = self._array(where, "POSITION", attributes.POSITION).astype(float)
         count = len(vertices)
-        joints = self._array(where, "JOINTS_0", attributes.JOINTS_0, count).astype(int)
-        weights = _checked_weights(where, self._array(where, "WEIGHTS_0", attributes.WEIGHTS_0, count))
-        joints = np.where(weights > 0.0, joints, 0)
-        if joints.max() >= len(inverse):
-            raise ValueError(f"{where} has joint {joints.max()}; allowed range: 0 to {len(inverse) - 1}")
+        joints, weights = np.zeros((count, 4), int), np.eye(4)[np.zeros(count, int)]
+        if skinned:
+            joints, weights = self._influences(where, attributes, count, len(inverse))
         indices = np.arange(count)
         if primitive.indices is not None:
             indices = self._array(where, "indices", primitive.indices)[:, 0].astype(int)
@@ -185,6 +202,19 @@ class _File:
             normals = self._array(where, "NORMAL", attributes.NORMAL, count).astype(float)
         nodes = np.array(list(inverse))[joints]
         return Primitive(where, mesh, vertices, normals, nodes, weights, indices.reshape(-1, 3), inverse)
+
+    def _influences(
+        self, where: str, attributes: gltf.Attributes, count: int, joint_count: int
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Joints (count, 4), numbered as in the skin, and weights."""
+        if getattr(attributes, "JOINTS_1", None) is not None:
+            raise ValueError(f"{where} has JOINTS_1; allowed range: up to 4 influences a vertex")
+        joints = self._array(where, "JOINTS_0", attributes.JOINTS_0, count).astype(int)
+        weights = _checked_weights(where, self._array(where, "WEIGHTS_0", attributes.WEIGHTS_0, count))
+        joints = np.where(weights > 0.0, joints, 0)
+        if joints.max() >= joint_count:
+            raise ValueError(f"{where} has joint {joints.max()}; allowed range: 0 to {joint_count - 1}")
+        return joints, weights
 
     def _array(self, where: str, name: str, number: int, count: int | None = None) -> np.ndarray:
         """An accessor's rows; normalized integers as numbers between 0 and 1, all finite."""

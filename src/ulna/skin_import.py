@@ -1,8 +1,8 @@
-"""Makes an ArmSkin FMU of a rigged glTF mesh: `ulna skin import`.
+"""Makes an ArmSkin FMU of a mesh of the user's: `ulna skin import`.
 
-The mesh is taken as it was bound, where the file leaves the upper arm's joint, in m. The rest frame has the elbow, the
-forearm's joint, at the origin, the upper arm along x; z is the direction across it nearest to up, or to the front where
-the arm hangs or points up. Joints at or below the forearm's follow the forearm; all others follow the upper arm.
+A rigged mesh is taken as it was bound, where the file leaves the upper arm's joint, in m. The rest frame has the elbow,
+the forearm's joint, at the origin, the upper arm along x; z is the direction across it nearest to up, or to the front
+where the arm hangs or points up. Joints at or below the forearm's follow the forearm; all others follow the upper arm.
 """
 
 import re
@@ -20,7 +20,9 @@ from .generate.model_description import to_string
 from .generate.package import write_fmu
 from .names import unknown
 from .paths import fmu
-from .rig import Primitive, Rig, read_rig
+from .rig import Rig, read_rig
+from .skin_automatic import automatic_mesh
+from .skin_frame import LENGTHS, lengths, placed, rest_frame, whole_normals, without_unused
 from .skin_mesh import MOST_JOINTS, SkinMesh, weight_gradients, write_mesh
 from .slave import Slave, UnitError
 
@@ -42,19 +44,6 @@ COMMON = (
     ("upperarm", "forearm"),
     ("upperarm", "lowerarm"),
 )
-# m; ranges of the parameters
-LENGTHS = {
-    "upper_arm_length": (0.001, 100.0),
-    "forearm_length": (0.001, 100.0),
-    "radius": (0.0001, 10.0),
-    "blend_half_width": (0.0001, 100.0),
-}
-# float32 matrices of scaled rigs
-EVEN = 1e-3
-# glTF 2.0, 3.4: +y is up, a model's front faces +z
-UP, FRONT = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
-# smoothstep is .01 where |x| is this share of its half width
-ONE_PERCENT = 0.8822
 
 
 @dataclass(frozen=True)
@@ -89,6 +78,22 @@ def import_skin(
     return skin, (rig.names[bones.upper_arm], rig.names[bones.forearm])
 
 
+def import_unrigged(
+    path: str | PathLike,
+    out: str | PathLike,
+    joints: Sequence[str | Sequence[float]],
+    *,
+    mesh: str | None = None,
+    half_width: float | None = None,
+    version: str = "3.0",
+) -> SkinMesh:
+    """Writes the FMU `out` of a mesh without weights; returns the mesh. Arguments and errors as `automatic_mesh`."""
+    stock = fmu("ArmSkin", version)
+    skin = automatic_mesh(path, joints, mesh=mesh, half_width=half_width)
+    write_skin_fmu(out, skin, stock)
+    return skin
+
+
 def find_bones(rig: Rig, upper_arm: str | None = None, forearm: Sequence[str] = ()) -> Bones:
     """The joints by name, or by what common rigs call them, the left arm first. Raises KeyError, listing the joints."""
     known = [rig.names[joint] for joint in rig.joints]
@@ -114,16 +119,17 @@ def arm_mesh(rig: Rig, bones: Bones, mesh: str | None = None) -> SkinMesh:
         raise KeyError(unknown("the skin", "mesh", mesh, sorted({p.mesh for p in taken})))
     taken = [p for p in taken if mesh in (None, p.mesh)]
     world = rig.to_world(bones.upper_arm)
-    frame, length = _rest_frame(world @ taken[0].inverse_bind[bones.upper_arm], taken[0], bones)
-    pieces = [_placed(p, frame @ world @ p.inverse_bind[bones.upper_arm]) for p in taken]
+    bind = world @ taken[0].inverse_bind[bones.upper_arm]
+    joints_of_arm = (bones.upper_arm, bones.forearm)
+    ends = [(bind @ np.linalg.inv(taken[0].inverse_bind[joint]))[:3, 3] for joint in joints_of_arm]
+    frame, length = rest_frame(*ends)
+    moves = [frame @ world @ p.inverse_bind[bones.upper_arm] for p in taken]
+    pieces = [placed(p.where, p.vertices, p.normals, p.triangles, m) for p, m in zip(taken, moves, strict=True)]
     starts = np.cumsum([0, *(len(p.vertices) for p in taken[:-1])])
     triangles = np.concatenate([piece[2] + start for piece, start in zip(pieces, starts, strict=True)])
     vertices, normals = (np.concatenate([piece[k] for piece in pieces]) for k in range(2))
     weights, nodes = (np.concatenate([getattr(p, name) for p in taken]) for name in ("weights", "joints"))
-    # a triangle that has a corner twice has no area
-    triangles = triangles[np.all(triangles != np.roll(triangles, 1, axis=1), axis=1)]
-    used, corners = np.unique(triangles, return_inverse=True)
-    triangles = corners.reshape(-1, 3)
+    used, triangles = without_unused(triangles)
     vertices, normals, weights, nodes = vertices[used], normals[used], weights[used], nodes[used]
     joints, numbers = np.unique(nodes, return_inverse=True)
     if len(joints) > MOST_JOINTS:
@@ -133,16 +139,16 @@ def arm_mesh(rig: Rig, bones: Bones, mesh: str | None = None) -> SkinMesh:
     shares = np.sum(weights * forearm[numbers], axis=1)
     if not (shares.min() < 0.5 <= shares.max()):
         raise ValueError("the joints move no vertices apart; allowed: a mesh of which either bone holds a part")
-    held = np.isin(nodes, (bones.upper_arm, bones.forearm))
+    held = np.sum(weights * np.isin(nodes, joints_of_arm), axis=1) >= 0.5
     return SkinMesh(
         vertices=vertices,
-        normals=_whole_normals(vertices, triangles, normals),
+        normals=whole_normals(vertices, triangles, normals),
         gradients=weight_gradients(vertices, triangles, shares),
         weights=weights,
         joints=numbers,
         forearm=forearm,
         triangles=triangles,
-        **_lengths(vertices, shares, np.sum(weights * held, axis=1) >= 0.5, length),
+        **lengths(vertices, shares, np.where(held, np.hypot(vertices[:, 1], vertices[:, 2]), np.nan), length),
     )
 
 
@@ -185,84 +191,6 @@ def _joint(rig: Rig, name: str) -> int:
     if len(found) > 1:
         raise ValueError(f"{len(found)} joints have the name {name!r}; allowed: a name that one joint has")
     return found[0]
-
-
-def _rest_frame(world: np.ndarray, primitive: Primitive, bones: Bones) -> tuple[np.ndarray, float]:
-    """(4, 4) from glTF's world to the rest frame, and the upper arm's length; `world` takes the skin's space there."""
-    shoulder, elbow = (
-        (world @ np.linalg.inv(primitive.inverse_bind[joint]))[:3, 3] for joint in (bones.upper_arm, bones.forearm)
-    )
-    length = float(np.linalg.norm(elbow - shoulder))
-    _check_length("upper_arm_length", length)
-    x = (elbow - shoulder) / length
-    across = UP if abs(x @ UP) < 0.9 else FRONT
-    z = across - (across @ x) * x
-    z /= np.linalg.norm(z)
-    frame = np.eye(4)
-    frame[:3, :3] = [x, np.cross(z, x), z]
-    frame[:3, 3] = -frame[:3, :3] @ elbow
-    return frame, length
-
-
-def _placed(primitive: Primitive, matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Vertices, normals (0 where the file has none) and triangles in the rest frame."""
-    linear = matrix[:3, :3]
-    scale = np.cbrt(np.linalg.det(linear))
-    if not abs(scale) > 0.0 or np.abs(linear @ linear.T / scale**2 - np.eye(3)).max() > EVEN:
-        raise ValueError(f"{primitive.where} is stretched by its nodes; allowed: the same scale in all directions")
-    # column by column, so that equal vertices stay equal to the bit
-    vertices = sum(primitive.vertices[:, k, None] * linear[:, k] for k in range(3)) + matrix[:3, 3]
-    normals = np.zeros_like(vertices) if primitive.normals is None else primitive.normals @ linear.T / abs(scale)
-    triangles = primitive.triangles if scale > 0.0 else primitive.triangles[:, ::-1]
-    return vertices, normals, triangles
-
-
-def _whole_normals(vertices: np.ndarray, triangles: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """The file's normals at length 1; where they are 0, the mean of the triangles' by area, across seams too."""
-    corner = [vertices[triangles[:, k]] for k in range(3)]
-    area = np.cross(corner[1] - corner[0], corner[2] - corner[0])
-    _, same = np.unique(vertices, axis=0, return_inverse=True)
-    same = same.ravel()
-    total = np.zeros((same.max() + 1, 3))
-    for k in range(3):
-        np.add.at(total, same[triangles[:, k]], area)
-    normals = np.where(np.linalg.norm(normals, axis=1, keepdims=True) > 1e-6, normals, total[same])
-    size = np.linalg.norm(normals, axis=1, keepdims=True)
-    if not np.all(size > 0.0):
-        vertex = int(np.argmin(size))
-        raise ValueError(f"vertex {vertex} has neither a normal nor a triangle with an area")
-    return normals / size
-
-
-def _lengths(vertices: np.ndarray, shares: np.ndarray, held: np.ndarray, upper_arm: float) -> dict[str, float]:
-    """Estimates, m, by name.
-
-    The forearm ends at the farthest vertex that follows it. The radius is that of half of the vertices beside the bones
-    that the two joints themselves hold. The shares from 1 to 99 % are as far out as those of a smoothstep.
-    """
-    x = vertices[:, 0]
-    forearm = float(x[shares >= 0.5].max())
-    _check_length("forearm_length", forearm)
-    beside = held & (x > -upper_arm) & (x < forearm)
-    radius = float(np.median(np.hypot(vertices[beside, 1], vertices[beside, 2]))) if beside.any() else 0.0
-    blend = np.abs(x[(shares > 0.01) & (shares < 0.99)])
-    half_width = float(blend.max()) / ONE_PERCENT if len(blend) else radius
-    lengths = dict(zip(LENGTHS, (upper_arm, forearm, radius, half_width), strict=True))
-    for name, value in lengths.items():
-        _check_length(name, value)
-    if radius + half_width >= forearm:
-        raise ValueError(
-            f"radius = {radius:.4g} m and blend_half_width = {half_width:.4g} m leave nothing of a forearm that ends "
-            f"{forearm:.4g} m from the elbow; allowed range: their sum below its length. Does the forearm point along "
-            "the upper arm at rest, and are all joints of the hand below it?"
-        )
-    return lengths
-
-
-def _check_length(name: str, value: float) -> None:
-    least, most = LENGTHS[name]
-    if not least <= value <= most:
-        raise ValueError(f"{name} = {value:.6g} m by the file; allowed range: {least:g} m to {most:g} m")
 
 
 def _with_starts(description: bytes, mesh: SkinMesh) -> bytes:

@@ -11,11 +11,6 @@ static int enter_initialization(Slave *slave)
     return slave_enter_initialization(slave, 0.0, NULL);
 }
 
-static int exit_configuration(Slave *slave)
-{
-    return (int)fmi3ExitConfigurationMode(slave->instance);
-}
-
 static int enter_event_mode(Slave *slave)
 {
     return (int)fmi3EnterEventMode(slave->instance);
@@ -115,7 +110,7 @@ const Call calls[] = {
     {"fmi3SetDebugLogging", set_debug_logging, ANY_KIND, ANY_MODE, 0},
     {"fmi3Reset", slave_reset, ANY_KIND, ANY_MODE, 0},
     {"fmi3EnterConfigurationMode", slave_enter_configuration, ANY_KIND, INSTANTIATED, ANY_MODE & ~INSTANTIATED},
-    {"fmi3ExitConfigurationMode", exit_configuration, ANY_KIND, CONFIGURATION, ANY_MODE & ~CONFIGURATION},
+    {"fmi3ExitConfigurationMode", slave_exit_configuration, ANY_KIND, CONFIGURATION, ANY_MODE & ~CONFIGURATION},
     {"fmi3EnterInitializationMode", enter_initialization, ANY_KIND, INSTANTIATED, ANY_MODE & ~INSTANTIATED},
     {"fmi3ExitInitializationMode", slave_exit_initialization, ANY_KIND, INITIALIZATION, ANY_MODE & ~INITIALIZATION},
     {"fmi3Terminate", slave_terminate, ANY_KIND, RUNNING, ANY_MODE & ~RUNNING},

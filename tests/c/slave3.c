@@ -59,6 +59,11 @@ int slave_enter_configuration(Slave *slave)
     return (int)fmi3EnterConfigurationMode(slave->instance);
 }
 
+int slave_exit_configuration(Slave *slave)
+{
+    return (int)fmi3ExitConfigurationMode(slave->instance);
+}
+
 int slave_terminate(Slave *slave)
 {
     return (int)fmi3Terminate(slave->instance);
@@ -67,6 +72,12 @@ int slave_terminate(Slave *slave)
 int slave_reset(Slave *slave)
 {
     return (int)fmi3Reset(slave->instance);
+}
+
+bool slave_has(const Variable *variable)
+{
+    (void)variable;
+    return true;
 }
 
 /* One variable of a type that is no double, there and back through doubles. */

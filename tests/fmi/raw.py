@@ -229,6 +229,8 @@ def random_values(variable: Variable, random: np.random.Generator) -> np.ndarray
     """Values of a variable within its limits [size]; for quaternions of a norm near one."""
     if "orientation" in variable.name:
         return np.array([1.0, 0.0, 0.0, 0.0]) + 0.2 * random.uniform(-1, 1, 4)
+    if variable.name == "surface_triangles":
+        return np.zeros(variable.size)  # of one vertex, the only one there is at the start
     if variable.type == "Boolean":
         return random.integers(0, 2, variable.size)
     if variable.type == "Enumeration":

@@ -47,6 +47,12 @@ stream = true
 description = "Points"
 """
 
+SURFACE = """
+[input.surface]
+size = ["count"]
+description = "Surface"
+"""
+
 # What is changed in the good one, into what, and the words that the message must hold.
 WRONG = {
     "unknown key": ('"Gain"', '"Gain", colour = "red"', r"parameter\.gain.*unknown key colour.*known:.*unit"),
@@ -69,6 +75,21 @@ WRONG = {
     "size by what is no structural parameter": ('[3, "count"]', '[3, "gain"]', r"points.*gain.*structural parameter"),
     "size by nothing": ('[3, "count"]', '[3, "cuont"]', r"points.*cuont.*structural parameter"),
     "array sized by a structural parameter": ("stream = true\n", "", r"local\.points.*only a stream"),
+    "array sized by two": ('[3, "count"]', '["count", "count"]', r"local\.points.*more than one dimension"),
+    "array that starts at a value": (
+        "\n[local.points]",
+        f"{SURFACE}start = 1.0\n[local.points]",
+        r"input\.surface.*starts at zero",
+    ),
+    "array without a largest size": ("\n[local.points]", f"{SURFACE}[local.points]", r"surface.*'count'.*have a max"),
+    "array of no element": ("start = 4, min = 1", "start = 0, min = 0", r"points.*'count'.*starts at 1 or more"),
+    "size by no UInt64": ('"UInt64", start = 4', '"Int32", start = 4', r"points.*'count'.*UInt64"),
+    "array that would be differentiated": (
+        'sources = ["unit.c"]\n',
+        'sources = ["unit.c"]\ndirectional_derivatives = true\n[input.surface]\nsize = ["count"]\n'
+        'description = "Surface"\n',
+        r"surface.*no directional derivative",
+    ),
     "text that is no TOML": ('name = "Toy"', "name = Toy", r"Invalid value"),
     "no name": ('name = "Toy"', 'name = ""', r"name is missing"),
     "no description of the unit": ('description = "A toy"', 'description = ""', r"description is missing"),
@@ -132,7 +153,8 @@ def test_value_references_count_the_scalars(name):
     expected = 0
     for variable in declaration(name).variables:
         assert variable.reference == expected
-        expected += 1 if variable.stream else variable.count
+        changes_size = any(isinstance(extent, str) for extent in variable.size)
+        expected += 1 if variable.stream or changes_size else variable.count
 
 
 @each_unit

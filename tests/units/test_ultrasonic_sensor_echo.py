@@ -6,50 +6,27 @@ import mpmath
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-from test_ultrasonic_sensor import BASELINE, EAR, ROUND_OFF, sound_speed_of_mixture
+from test_ultrasonic_sensor import EAR, ROUND_OFF, sound_speed_of_mixture
+from ultrasonic_sensor_read import FREQUENCY, RING_TIME, default_device, ping, pings, width
+from ultrasonic_sensor_truth import (
+    Agreement,
+    Device,
+    box_surface,
+    capsule_surface,
+    image_source,
+    kirchhoff,
+    rigid_sphere,
+)
 
-from ulna import Slave, UnitError
-from ulna.checks.textbook import load_model
+from ulna import UnitError
 
-hearing, echoes, surfaces = (load_model(f"ultrasonic_sensor.{part}") for part in ("hearing", "echoes", "surfaces"))
-Agreement, Device = hearing.Agreement, hearing.Device
-image_source, rigid_sphere, kirchhoff = echoes.image_source, echoes.rigid_sphere, echoes.kirchhoff
-box_surface, capsule_surface = surfaces.box_surface, surfaces.capsule_surface
-
-READ = ("distance", "device_distance", "time_of_flight", "echo_width", "valid", "level", "speed_of_sound", "absorption")
 WALL = {"plane_point": [1.0, 0.0, 0.0], "plane_normal": [-1.0, 0.0, 0.0]}
-FREQUENCY = 40000.0  # Hz
-RING_TIME = np.sqrt(3) / (np.pi * 2000.0)  # s, of 2 kHz at -6 dB
-
-
-def pings(until: float, **values: object) -> dict[str, float]:
-    """Outputs at `until` [s]; nothing is rounded."""
-    with Slave("UltrasonicSensor", version="3.0") as sensor:
-        for name, value in ({"resolution": 0.0} | values).items():
-            sensor.set(name, value)
-        sensor.initialize(start=0.0)
-        sensor.step(0.0, until)
-        return {name: sensor.get(name) for name in READ}
-
-
-def ping(**values: object) -> dict[str, float]:
-    """The same after the first ping."""
-    return pings(0.0599, **values)
-
-
-def width(**values: object) -> float:
-    """Echo width [s] of the first ping, infinite without an echo."""
-    seen = ping(**values)
-    return seen["echo_width"] if seen["valid"] else np.inf
 
 
 @pytest.fixture(scope="module")
 def device() -> Device:
     """The truth's picture of the default sensor."""
-    seen = ping()
-    nearest, farthest = (2 * np.hypot(reach, BASELINE / 2) / seen["speed_of_sound"] for reach in (0.02, 4.0))
-    # an echo that arrives in time is waited for: its peak comes 388 us later
-    return Device(seen["speed_of_sound"], seen["absorption"], minimum_time=nearest, maximum_time=farthest + 4e-4)
+    return default_device()
 
 
 def direction(rng: np.random.Generator, widest: float) -> np.ndarray:
@@ -208,16 +185,19 @@ def test_the_late_echo_of_the_ping_before_is_taken_for_a_near_one():
     assert ghost["time_of_flight"] == pytest.approx(arrival - 0.0235, rel=1e-12)  # a difference of times of 0.03 s
 
 
+PITCHED = {"orientation": [np.cos(0.275), 0.0, np.sin(0.275), 0.0], "threshold": -100.0}  # 31.5 degrees down
+BLIND = {"minimum_range": 2.3}  # m: behind the echo of a ball 1.44 m off, 117 dB below its peak by then
+
+
 def test_a_ground_mirrors_the_echo_of_a_ball():
-    floor = {"plane_point": [0, 0, -0.3], "plane_normal": [0, 0, 1.0], "plane_reflection": 0.5}
-    center, radius = np.array([0.8, 0.02, 0.1]), 0.06
-    ball = {"sphere_center": center, "sphere_radius": radius, "threshold": -100.0}
+    floor = {"plane_point": [0, 0, -1.5], "plane_normal": [0, 0, 1.0], "plane_reflection": 0.5}
+    center, radius = np.array([1.5, 0.02, 0.1]), 0.06
+    ball = {"sphere_center": center, "sphere_radius": radius} | PITCHED
     direct = ping(**ball)
     assert ping(**ball, **floor, multipath=True)["time_of_flight"] == direct["time_of_flight"]
-    blind = {"minimum_range": 0.85}  # m: behind the direct echo
-    assert not ping(**ball, **floor, **blind)["valid"]
-    seen = ping(**ball, **floor, **blind, multipath=True)
-    image = -EAR - np.array([0, 0, 0.6])
+    assert not ping(**ball, **floor, **BLIND)["valid"]
+    seen = ping(**ball, **floor, **BLIND, multipath=True)
+    image = -EAR - np.array([0, 0, 3.0])
 
     def way(aim):
         normal = np.array([-1.0, aim[0], aim[1]])
@@ -226,20 +206,20 @@ def test_a_ground_mirrors_the_echo_of_a_ball():
 
     best = minimize(way, [0.0, 0.0], method="Nelder-Mead", options={"xatol": 1e-9, "fatol": 1e-16})
     assert seen["time_of_flight"] == pytest.approx(best.fun / seen["speed_of_sound"], rel=ROUND_OFF)
-    louder = ping(**ball, **floor | {"plane_reflection": 1.0}, **blind, multipath=True)
+    louder = ping(**ball, **floor | {"plane_reflection": 1.0}, **BLIND, multipath=True)
     assert louder["level"] - seen["level"] == pytest.approx(20 * np.log10(2.0), abs=1e-12)
 
 
 def test_both_ways_by_the_ground_add_up():
     """With both ears in one place they are one way and its reverse, alike in time and level: 6 dB more than each."""
-    floor = {"plane_point": [0, 0, -0.3], "plane_normal": [0, 0, 1.0], "multipath": True, "minimum_range": 0.85}
-    pitch = [np.cos(0.2), 0.0, np.sin(0.2), 0.0]  # 23 degrees down
-    ball = {"sphere_center": [0.8, 0.0, 0.1], "sphere_radius": 0.06, "baseline": 0.0, "orientation": pitch}
-    level = ping(**ball, **floor, threshold=-100.0)["level"]
-    both = level + 20 * np.log10(2.0)
-    # 3e-4 dB: the sum is sampled 64 times a ring time, its peak may fall between
-    assert ping(**ball, **floor, threshold=both - 1e-3)["valid"]
-    assert not ping(**ball, **floor, threshold=both + 1e-6)["valid"]
+    floor = {"plane_point": [0, 0, -1.5], "plane_normal": [0, 0, 1.0], "multipath": True}
+    ball = {"sphere_center": [1.5, 0.0, 0.1], "sphere_radius": 0.06, "baseline": 0.0} | PITCHED | BLIND
+    level = ping(**ball, **floor)["level"]
+    both = {"threshold": level + 20 * np.log10(2.0)}
+    # the sum is sampled 64 times a ring time, its peak may fall between: 3e-4 dB; what the direct echo, 8 dB louder
+    # than both, adds is 117 dB below its peak: 3e-5 dB
+    assert ping(**ball | both | {"threshold": both["threshold"] - 1e-3}, **floor)["valid"]
+    assert not ping(**ball | both | {"threshold": both["threshold"] + 1e-4}, **floor)["valid"]
 
 
 # Device and parameters

@@ -68,6 +68,21 @@ class Variable:
         return total
 
     @property
+    def extents(self) -> tuple[str, ...]:
+        """The structural parameters among its dimensions."""
+        return tuple(n for n in self.size if isinstance(n, str))
+
+    @property
+    def sized(self) -> bool:
+        """True where a structural parameter sizes it and its values are kept: behind the C struct."""
+        return bool(self.extents) and not self.stream
+
+    @property
+    def scalars(self) -> int:
+        """How many value references it takes: one for each element of a fixed size."""
+        return 1 if self.stream or self.extents else self.count
+
+    @property
     def settable(self) -> bool:
         """True where an importer sets the value."""
         return self.causality in SET_FROM_OUTSIDE
@@ -105,6 +120,11 @@ class Declaration:
     def groups(self) -> list[str]:
         """Groups of computed variables, in the order of first use."""
         return list(dict.fromkeys(v.group for v in self.variables if v.group and not v.stream))
+
+    @property
+    def sized(self) -> list[Variable]:
+        """The arrays behind the C struct, in their order."""
+        return [v for v in self.variables if v.sized]
 
     def by_name(self, name: str) -> Variable:
         """The variable of that name; KeyError if there is none."""
@@ -164,7 +184,7 @@ def _variable(section: str, name: str, entry: dict, enumerations: dict[str, dict
         stream=stream,
         depends=tuple(entry.get("depends", ())),
         terminal=_tuple(entry.get("terminal", [])),
-        fmi=(3,) if stream else tuple(entry.get("fmi", (2, 3))),
+        fmi=(3,) if stream or any(isinstance(n, str) for n in size) else tuple(entry.get("fmi", (2, 3))),
     )
     exponents(variable.unit)
     if not stream:
@@ -233,7 +253,7 @@ def load(path: str | Path) -> Declaration:
     numbered = []
     for variable in variables:
         numbered.append(_replace(variable, reference=reference))
-        reference += 1 if variable.stream else variable.count
+        reference += variable.scalars
     declaration = Declaration(
         folder=path.parent,
         name=raw["name"],

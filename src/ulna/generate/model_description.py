@@ -1,5 +1,6 @@
 """`modelDescription.xml` for FMI 3.0 (arrays) and FMI 2.0 (arrays written out as scalars)."""
 
+import math
 from collections.abc import Iterator
 from xml.etree import ElementTree as ET
 
@@ -39,6 +40,11 @@ def _start_text(variable: Variable, values: tuple[float, ...]) -> str:
         return " ".join(_text(bool(x)) for x in values)
     number = float if variable.type in ("Float64", "Float32") else int
     return " ".join(_text(number(x)) for x in values)
+
+
+def _start_values(unit: Declaration, v: Variable) -> tuple[float, ...]:
+    """As many as the start values of the structural parameters ask for."""
+    return v.start * math.prod(int(unit.by_name(name).start[0]) for name in v.extents)
 
 
 def _has_start(variable: Variable) -> bool:
@@ -145,7 +151,7 @@ def _fmi3_variable(unit: Declaration, parent: ET.Element, v: Variable) -> None:
         description=v.description,
         causality=v.causality,
         variability=v.variability,
-        start=_start_text(v, v.start) if v.start and _has_start(v) else None,
+        start=_start_text(v, _start_values(unit, v)) if v.start and _has_start(v) else None,
         declaredType=v.enumeration,
         unit=v.unit if floating else None,
         **_limits(v),
