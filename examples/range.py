@@ -79,5 +79,4 @@ def scene() -> Scene:
     reaching.record(forearm.angle, forearm.target_angle, forearm.hinge, forearm.tip_position, forearm.tip_orientation)
     for body in (ball, wall):
         reaching.record(body.position, body.orientation)
-    reaching.record(arm.blend_volume_ratio, arm.elbow_gap, arm.fold_fraction)
     return reaching
