@@ -9,24 +9,27 @@
 #include "rays.c"
 #include "fresnel.c"
 #include "specular.c"
+#include "doppler.c"
 #include "envelope.c"
+#include "sum.c"
 #include "echo.c"
 
 #define DEVICE_SPEED (0.01 / 58e-6) /* m/s of echo width: the sheet's 58 us a centimetre */
 #define SHORTEST_PERIOD 0.001 /* s; the air is not silent sooner, and each ping costs an event */
 
+/* One sign tells of all indices whether one is below 0 or above the last vertex: this runs after every change. */
 static Status check_triangles(const UltrasonicSensor *sensor, Log *log)
 {
     const int32_t *vertices = ultrasonic_sensor_surface_triangles(sensor);
-    uint64_t count = 6 * sensor->surface_vertex_count;
-    uint32_t largest = 0;
-    for (uint64_t k = 0; k < count; k++) {
-        largest = (uint32_t)vertices[k] > largest ? (uint32_t)vertices[k] : largest;
+    size_t count = 6 * (size_t)sensor->surface_vertex_count;
+    uint32_t last = (uint32_t)sensor->surface_vertex_count - 1, outside = 0;
+    for (size_t k = 0; k < count; k++) {
+        outside |= (last - (uint32_t)vertices[k]) | (uint32_t)vertices[k];
     }
-    for (uint64_t k = 0; largest >= sensor->surface_vertex_count && k < count; k++) {
-        if ((uint32_t)vertices[k] == largest) {
-            return report(log, STATUS_ERROR, "surface_triangles[%" PRIu64 "] = %" PRId32 "; allowed range: 0 to "
-                          "surface_vertex_count - 1, here %" PRIu64, k + 1, vertices[k], sensor->surface_vertex_count - 1);
+    for (size_t k = 0; outside >> 31 && k < count; k++) {
+        if (vertices[k] < 0 || (uint32_t)vertices[k] > last) {
+            return report(log, STATUS_ERROR, "surface_triangles[%zu] = %" PRId32 "; allowed range: 0 to "
+                          "surface_vertex_count - 1 (%" PRIu32 ")", k + 1, vertices[k], last);
         }
     }
     return STATUS_OK;

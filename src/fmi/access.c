@@ -143,13 +143,13 @@ static Status check_value(Instance *instance, const Variable *variable, uint32_t
     char name[96], range[96] = "any finite value";
     bool low = isfinite(variable->minimum), high = isfinite(variable->maximum);
     if (low && high) {
-        snprintf(range, sizeof range, "%g to %g", variable->minimum, variable->maximum);
+        snprintf(range, sizeof range, "%.10g to %.10g", variable->minimum, variable->maximum);
     } else if (low) {
-        snprintf(range, sizeof range, "at least %g", variable->minimum);
+        snprintf(range, sizeof range, "at least %.10g", variable->minimum);
     } else if (high) {
-        snprintf(range, sizeof range, "at most %g", variable->maximum);
+        snprintf(range, sizeof range, "at most %.10g", variable->maximum);
     }
-    return report(&instance->log, STATUS_ERROR, "%s = %g %s; allowed range: %s",
+    return report(&instance->log, STATUS_ERROR, "%s = %.10g %s; allowed range: %s",
                   element_name(variable, element, name, sizeof name), value, variable->unit, range);
 }
 
