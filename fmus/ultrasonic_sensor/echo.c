@@ -19,7 +19,7 @@ static void add_late(const UltrasonicSensor *sensor, double emission, Echoes *ec
     for (int i = 0; i < sensor->late_count; i++) {
         if (sensor->late_time[i] > emission) {
             double time = sensor->late_time[i] - emission;
-            add_echo(echoes, (Echo){time, sensor->late_level[i], sensor->late_phase[i], 0.0, 0.0});
+            add_echo(echoes, (Echo){.time = time, .level = sensor->late_level[i], .phase = sensor->late_phase[i]});
         }
     }
 }

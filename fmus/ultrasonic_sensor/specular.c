@@ -10,9 +10,9 @@ typedef struct End {
     double length;      /* of the path by the end */
 } End;
 
-/* The loudness of a path, or silence where the sensor cannot hear it. */
+/* The echo of a path by a target of some velocity, or silence where the sensor cannot hear it. */
 static Echo echo_of_path(const UltrasonicSensor *sensor, const Transceiver *pair, const Path *path, Curvature mirror,
-                         double reflection)
+                         Vector velocity, double reflection)
 {
     bool in_front = dot(path->incident, pair->axis) > 0.0 && dot(path->reflected, pair->receiver_axis) < 0.0;
     /* a plane between transmitter and receiver has its mirror point behind the receiver */
@@ -24,7 +24,7 @@ static Echo echo_of_path(const UltrasonicSensor *sensor, const Transceiver *pair
     double level = path_level(pair, *path, mirror, reflection, sensor->wave_number, sensor->absorption);
     double there = beam_argument(path->incident, pair->axis, sensor->wave_number);
     double back = beam_argument(path->reflected, pair->receiver_axis, sensor->wave_number);
-    return (Echo){path->time, level, 0.0, there, back};
+    return (Echo){path->time, level, 0.0, there, back, doppler_of(pair, *path, velocity, sensor->speed_of_sound)};
 }
 
 /* The echo with its phasor times `factor`. */
@@ -38,7 +38,7 @@ static Echo weighted(Echo echo, Phasor factor)
 static Echo specular_plane(const UltrasonicSensor *sensor, const Surroundings *around, const Transceiver *pair)
 {
     Path path = plane_path(pair, around->plane_point, around->plane_normal, sensor->speed_of_sound);
-    return echo_of_path(sensor, pair, &path, plane_curvature(), sensor->plane_reflection);
+    return echo_of_path(sensor, pair, &path, plane_curvature(), at_rest, sensor->plane_reflection);
 }
 
 /* The path by a given surface point; what moves is taken where it is at the reception. */
@@ -161,7 +161,7 @@ static Echo specular_target(const UltrasonicSensor *sensor, const Surroundings *
     if (share > 0.0 && share < 1.0) {
         mirror = cylinder_curvature(path, scale(1.0 / sqrt(square), whole), target->radius);
     }
-    Echo echo = echo_of_path(sensor, pair, &path, mirror, target->reflection);
+    Echo echo = echo_of_path(sensor, pair, &path, mirror, target->velocity, target->reflection);
     return square > 0.0 && isfinite(echo.time) ? blended(sensor, pair, target, &path, share, echo) : echo;
 }
 
@@ -211,7 +211,7 @@ static Echo echo_of_part(const UltrasonicSensor *sensor, const Transceiver *pair
     double oblique = 0.5 * dot(subtract(path->reflected, path->incident), path->normal);
     double factor = oblique * (1.0 / path->first + 1.0 / path->second) / sqrt(bend_a * bend_b);
     weight = (Phasor){factor * weight.re, factor * weight.im};
-    Echo echo = echo_of_path(sensor, pair, path, plane_curvature(), sensor->box_reflection);
+    Echo echo = echo_of_path(sensor, pair, path, plane_curvature(), at_rest, sensor->box_reflection);
     bool faint = weight.re * weight.re + weight.im * weight.im < FAINT_PART;
     return faint || !isfinite(echo.time) ? silence : weighted(echo, weight);
 }
@@ -282,6 +282,7 @@ static void add_multipath(const UltrasonicSensor *sensor, const Surroundings *ar
     Transceiver there = around->pair, back = around->pair;
     there.transmitter = mirrored(around, there.transmitter);
     there.axis = turned_over(around, there.axis);
+    there.transmitter_velocity = turned_over(around, there.transmitter_velocity);
     back.receiver = mirrored(around, back.receiver);
     back.receiver_axis = turned_over(around, back.receiver_axis);
     back.velocity = turned_over(around, back.velocity);

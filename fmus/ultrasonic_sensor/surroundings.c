@@ -5,11 +5,13 @@
 
 typedef struct Echo {
     double time;  /* from the emission to its arrival, INFINITY for none */
-    double level; /* at its loudest */
+    double level; /* at its loudest, without Doppler */
     double phase; /* of the carrier at the arrival */
     double there, back; /* (x / 2)^2 of the beam on both ways */
+    double doppler;     /* by how many parts it comes faster than the burst left */
 } Echo;
 
+static const Vector at_rest = {0.0, 0.0, 0.0};
 static const Echo silence = {.time = INFINITY, .level = NO_ECHO_LEVEL};
 
 enum { MOST_ECHOES = 96, MOST_LATE = 8 }; /* those of one ping; those that outlive it */
@@ -77,21 +79,20 @@ static Surroundings surroundings_at(const UltrasonicSensor *sensor, double emiss
     Vector middle = add_scaled(sensor->position, emission - sensor->position_time, sensor->velocity);
     Vector sphere = add_scaled(sensor->sphere_center, emission - sensor->sphere_center_time,
                                sensor->sphere_velocity);
-    Vector rest = vector(0.0, 0.0, 0.0);
     around.middle = middle;
     around.pair.transmitter = add(middle, half);
     around.pair.receiver = subtract(middle, half);
     around.pair.axis = around.pair.receiver_axis = turn.x;
-    around.pair.velocity = sensor->velocity;
+    around.pair.velocity = around.pair.transmitter_velocity = sensor->velocity;
     around.plane = dot(subtract(middle, sensor->plane_point), sensor->plane_normal) > 0.0;
     around.plane_point = sensor->plane_point;
-    around.plane_normal = around.plane ? scale(1.0 / norm(sensor->plane_normal), sensor->plane_normal) : rest;
+    around.plane_normal = around.plane ? scale(1.0 / norm(sensor->plane_normal), sensor->plane_normal) : at_rest;
     around.targets = 0;
     add_target(&around, (Target){sphere, sphere, sensor->sphere_velocity, sensor->sphere_radius,
                                  sensor->sphere_reflection});
-    add_target(&around, (Target){sensor->capsule_1_start, sensor->capsule_1_end, rest, sensor->capsule_1_radius,
+    add_target(&around, (Target){sensor->capsule_1_start, sensor->capsule_1_end, at_rest, sensor->capsule_1_radius,
                                  sensor->capsule_reflection});
-    add_target(&around, (Target){sensor->capsule_2_start, sensor->capsule_2_end, rest, sensor->capsule_2_radius,
+    add_target(&around, (Target){sensor->capsule_2_start, sensor->capsule_2_end, at_rest, sensor->capsule_2_radius,
                                  sensor->capsule_reflection});
     Vector size = sensor->box_size;
     around.box_present = size.x > 0.0 && size.y > 0.0 && size.z > 0.0;

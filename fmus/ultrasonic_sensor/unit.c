@@ -9,7 +9,9 @@
 #include "rays.c"
 #include "fresnel.c"
 #include "specular.c"
+#include "doppler.c"
 #include "envelope.c"
+#include "sum.c"
 #include "echo.c"
 
 #define DEVICE_SPEED (0.01 / 58e-6) /* m/s of echo width: the sheet's 58 us a centimetre */

@@ -57,6 +57,7 @@ def equations(values: Values) -> Values:
         "arrival_time": arrival_time(values["offset"], values["velocity"], values["speed"]),
         **_named("plane_path", plane_path(values)),
         **_named("ball_path_refined", ball_path(values)),
+        "doppler_of": doppler(values),
         **_named("sphere_curvature", sphere_curvature(values)),
         **_named("cylinder_curvature", cylinder_curvature(values)),
         "spreading_power": spreading_power(values),
@@ -171,6 +172,22 @@ def _aimed_path(values: Values) -> Values:
         "normal": normal,
         "point": point,
     }
+
+
+def doppler(values: Values) -> SX:
+    """d emission / d reception, less one: from when what left a little later arrives, by the same point of the target.
+
+    The target flies with `ball_velocity`, the transmitter with `transmitter_velocity`, the receiver with `velocity`.
+    """
+    later, speed = SX.sym("later"), values["speed"]
+    drift, ears = values["ball_velocity"], (values["transmitter_velocity"], values["velocity"])
+    first, second = values["first"] * values["incident"], values["second"] * values["reflected"]
+    # the point, seen from where the burst leaves, and the receiver, seen from the point when it is met
+    there = arrival_time(first + later * (drift - ears[0]) - values["first"] / speed * drift, drift, speed)
+    met = later + there - values["first"] / speed
+    back = arrival_time(second + met * (ears[1] - drift) - values["second"] / speed * ears[1], ears[1], speed)
+    at_once = ca.substitute(ca.jacobian(later + there + back, later), later, SX(0))
+    return 1 / at_once - 1
 
 
 def _curvature(normal_at: SX, place: SX, values: Values) -> Values:

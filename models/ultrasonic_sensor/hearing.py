@@ -63,13 +63,19 @@ class Device:
         """Their wave numbers [n], 1/m."""
         return 2 * np.pi * self.frequencies / self.speed
 
-    def envelope(self, spectrum: Complex, pitch: float = 1e-6) -> tuple[Array, Array]:
-        """Times [m] and the envelope [m] of the echoes of a spectrum [n], 1 for the loudest of the facing plane."""
-        offsets = 2j * np.pi * self.offsets
+    def burst(self, pace: float = 1.0) -> Complex:
+        """Spectrum [n] of the burst after both resonators, where what leaves in `pace` seconds arrives in one."""
+        leaving, arriving = (2j * np.pi * x for x in (self.frequencies / pace - self.frequency, self.offsets))
         length = self.periods / self.frequency
-        burst = np.where(offsets == 0, length, (1 - np.exp(-offsets * length)) / np.where(offsets == 0, 1, offsets))
+        burst = np.where(leaving == 0, length, (1 - np.exp(-leaving * length)) / np.where(leaving == 0, 1, leaving))
         edge = np.pi * self.bandwidth / np.sqrt(3)
-        burst = burst / (1 + offsets / edge) ** 2
+        return burst / pace / (1 + leaving / edge) / (1 + arriving / edge)
+
+    def envelope(self, *echoes: Complex | tuple[Complex, float], pitch: float = 1e-6) -> tuple[Array, Array]:
+        """Times [m] and the envelope [m] of the sum of echoes, 1 for the loudest of the facing plane.
+
+        An echo is a spectrum [n] and, where what it came by moves, its pace.
+        """
         count = round(self.window / pitch)
         lines = np.zeros(count, complex)
         places = np.round(self.offsets * self.window).astype(int)
@@ -79,15 +85,17 @@ class Device:
             lines[places] = lines_of
             return np.fft.ifft(lines)
 
-        alone = np.abs(shaped(burst)).max()
-        return np.arange(count) * pitch, np.abs(shaped(burst * spectrum)) / alone
+        alone = np.abs(shaped(self.burst())).max()
+        parts = [echo if isinstance(echo, tuple) else (echo, 1.0) for echo in echoes]
+        received = sum(spectrum * self.burst(pace) for spectrum, pace in parts)
+        return np.arange(count) * pitch, np.abs(shaped(received)) / alone
 
-    def heard(self, spectrum: Complex) -> float:
+    def heard(self, *echoes: Complex | tuple[Complex, float]) -> float:
         """Time in s at which the echoes pass the threshold, infinity for never; between samples by a line.
 
         What is above the threshold when the comparator opens is heard then.
         """
-        times, envelope = self.envelope(spectrum)
+        times, envelope = self.envelope(*echoes)
         threshold = 10 ** (self.threshold / 20)
         within = (times >= self.minimum_time) & (times <= self.maximum_time)
         above = np.flatnonzero(within & (envelope >= threshold))
@@ -98,14 +106,17 @@ class Device:
             return self.minimum_time
         return times[k] - (envelope[k] - threshold) / (envelope[k] - envelope[k - 1]) * (times[k] - times[k - 1])
 
-    def level(self, spectrum: Complex) -> float:
+    def level(self, *echoes: Complex | tuple[Complex, float]) -> float:
         """Level in dB of the echoes at their loudest."""
-        return float(20 * np.log10(self.envelope(spectrum)[1].max()))
+        return float(20 * np.log10(self.envelope(*echoes)[1].max()))
 
-    def beam(self, directions: Array) -> Complex:
-        """Amplitude [..., n] of the piston towards directions [..., 3] from it; nothing behind it."""
+    def beam(self, directions: Array, pace: float = 1.0) -> Complex:
+        """Amplitude [..., n] of the piston towards directions [..., 3] from it; nothing behind it.
+
+        For the transmitter of a moving echo, `pace` is that of the echo.
+        """
         sine = np.sqrt(np.clip(1 - directions[..., 0] ** 2, 0, None))
-        x = np.maximum(sine[..., None] * self.wave_numbers * PISTON_RADIUS, 1e-9)
+        x = np.maximum(sine[..., None] * self.wave_numbers / pace * PISTON_RADIUS, 1e-9)
         return np.where(directions[..., :1] > 0, 2 * j1(x) / x, 0.0)
 
     def loss(self, length: Array) -> Array:

@@ -26,6 +26,7 @@ VALUE_UNITS = {
     "transmitter": "m",
     "receiver": "m",
     "velocity": "m/s",
+    "transmitter_velocity": "m/s",
     "speed": "m/s",
     "plane_point": "m",
     "ball_center": "m",
@@ -58,6 +59,7 @@ def identities(f: Equations) -> dict[str, SX]:
         **_times(f),
         **_plane(f),
         **_ball(f),
+        **_doppler(f),
         **_spreading(f),
         **_levels(f),
         **_burst(f),
@@ -190,6 +192,25 @@ def _ball(f: Equations) -> dict[str, SX]:
         "ball: emitter and receiver in one place measure the nearest point": resting["speed"]
         * f(lengthwise)["ball_path_refined.time"]
         - 2 * reach,
+    }
+
+
+def _doppler(f: Equations) -> dict[str, SX]:
+    """An echo's pace: none where nothing moves, Doppler's formulas for one that does, and the way back undoes it."""
+    values, rest = symbols(), SX.zeros(3)
+    still = values | {"velocity": rest, "ball_velocity": rest, "transmitter_velocity": rest}
+    mover, speed = SX.sym("mover", 3), values["speed"]
+    doppler = {name: f(still | {name: mover})["doppler_of"] for name in ("velocity", "ball_velocity")}
+    along, back = ca.dot(values["incident"], mover), ca.dot(values["reflected"], mover)
+    flown = f(values | {"transmitter_velocity": mover, "ball_velocity": mover, "velocity": mover})
+    return {
+        "Doppler: none where nothing moves": f(still)["doppler_of"],
+        "Doppler: a receiver that flees hears (1 - v/c) of it": speed * doppler["velocity"] + back,
+        "Doppler: a transmitter that comes is heard 1 / (1 - v/c) of it": (1 - along / speed)
+        * (1 + f(still | {"transmitter_velocity": mover})["doppler_of"])
+        - 1,
+        "Doppler: a mirror receives and sends": (speed - back) * (1 + doppler["ball_velocity"]) - (speed - along),
+        "Doppler: none where all flies as one": flown["doppler_of"],
     }
 
 

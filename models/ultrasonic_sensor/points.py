@@ -98,6 +98,7 @@ def symbols() -> Values:
         **{name: scalar(name) for name in numbers + ranges + more},
         **paths,
         **mirrors,
+        "transmitter_velocity": SX.sym("transmitter_velocity", 3),
         "axis": unit_vector("axis_slope"),
         "receiver_axis": unit_vector("receiver_axis_slope"),
         "plane_point": foot + ca.cross(mirrors["normal"], SX.sym("aside", 3)),
