@@ -64,7 +64,16 @@ static void notice_inputs(UltrasonicSensor *sensor)
 
 static bool trigger_rises(const UltrasonicSensor *sensor)
 {
-    return sensor->trigger && !sensor->trigger_before;
+    return sensor->trigger_clock || (sensor->trigger && !sensor->trigger_before);
+}
+
+/* Whether the burst of the ping, or its end, is due. Its own time counts, which `time` may miss by a rounding, and where
+ * the clock of the echo ticks by what an importer's time is off. */
+static bool is_due(const UltrasonicSensor *sensor)
+{
+    double rounding = (sensor->echo_clock ? 1e-9 : 1e-12) * (1.0 + fabs(sensor->time));
+    double next = sensor->waiting ? sensor->emission_time : sensor->finish_time;
+    return (sensor->waiting || sensor->in_flight) && next <= sensor->time + rounding;
 }
 
 /* A product, not a sum of steps: no drift. */
@@ -171,7 +180,7 @@ static void finish_ping(UltrasonicSensor *sensor)
 
 static double ultrasonic_sensor_next_event(const UltrasonicSensor *sensor)
 {
-    if (trigger_rises(sensor)) {
+    if (trigger_rises(sensor) || is_due(sensor)) {
         return sensor->time;
     }
     if (sensor->waiting) {
@@ -180,15 +189,14 @@ static double ultrasonic_sensor_next_event(const UltrasonicSensor *sensor)
     return sensor->in_flight ? sensor->finish_time : ping_time(sensor, sensor->next_ping);
 }
 
-/* One event at a time, the earliest; its own time counts, which `time` may miss by a rounding. A
- * trigger while a ping waits or flies is lost. */
+/* One event at a time, the earliest. A trigger while a ping waits or flies is lost. */
 static void ultrasonic_sensor_event(UltrasonicSensor *sensor)
 {
-    bool waiting = sensor->waiting, busy = waiting || sensor->in_flight;
-    bool due = busy && (waiting ? sensor->emission_time : sensor->finish_time) <= sensor->time;
+    bool waiting = sensor->waiting, busy = waiting || sensor->in_flight, due = is_due(sensor);
     notice_inputs(sensor);
     if (trigger_rises(sensor) && !due) {
-        sensor->trigger_before = true;
+        sensor->trigger_before |= sensor->trigger;
+        sensor->trigger_clock = false;
         if (!busy) {
             await_burst(sensor, sensor->time + sensor->trigger_latency);
         }
@@ -200,6 +208,13 @@ static void ultrasonic_sensor_event(UltrasonicSensor *sensor)
         await_burst(sensor, burst_time(sensor, sensor->next_ping));
         sensor->next_ping++;
     }
+}
+
+/* Of the clock of the echo: when the ping in flight ends. */
+static double ultrasonic_sensor_clock_time(const UltrasonicSensor *sensor, size_t clock)
+{
+    (void)clock;
+    return sensor->in_flight ? sensor->finish_time : INFINITY;
 }
 
 /* Nothing happens between events but the passing of time. */

@@ -18,7 +18,6 @@ from ..pictures import save
 from . import sensor_theory as theory
 from .picture import name
 from .sensor_measuring import (
-    ARM_RADIUS,
     CELSIUS,
     FARTHEST,
     FIELD_OF_VIEW,
@@ -51,7 +50,7 @@ MEANINGS = {
 TITLES = {
     "plane": ("plane", "tilt, degrees"),
     "sphere": (f"ball, radius {100 * SPHERE_RADIUS:g} cm", "offset, m"),
-    "forearm": (f"forearm across, radius {100 * ARM_RADIUS:g} cm", "offset, m"),
+    "forearm": ("forearm across", "offset, m"),
 }
 BEAMS = {
     "plane": ("wall, turned", "#1f5f99", "o"),
@@ -78,7 +77,7 @@ def draw_sensor(found: dict[str, Any], *paths: str | PathLike) -> None:
             ax.grid(visible=False)
             if column:
                 ax.tick_params(labelleft=False)
-    _beam(figure.add_axes((0.62, 0.345, 0.375, 0.56), projection="polar"), found)
+    _beam(figure.add_axes((0.625, 0.345, 0.355, 0.56), projection="polar"), found)
     curves = figure.add_gridspec(1, 4, left=0.045, right=0.985, bottom=0.05, top=0.285, wspace=0.24)
     for place_, panel in enumerate((_gaps, _temperatures, _errors, _levels)):
         panel(figure.add_subplot(curves[0, place_]), found)
@@ -89,7 +88,7 @@ def draw_sensor(found: dict[str, Any], *paths: str | PathLike) -> None:
 
 def _legend(ax: Axes) -> None:
     handles: list[Any] = [Patch(color=color, label=MEANINGS[kind]) for kind, color in VERDICTS.items()]
-    words = f"theory: level {THRESHOLD:g} dB (beam, spreading, absorption)"
+    words = f"theory: level {THRESHOLD:g} dB (the forearm endless)"
     handles.append(Line2D([], [], color="black", linewidth=1.8, label=words))
     ax.axis("off")
     ax.legend(handles=handles, loc="center", ncols=6, frameon=False, fontsize=10.5, handlelength=1.4, columnspacing=1.4)
