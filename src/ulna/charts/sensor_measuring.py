@@ -82,17 +82,13 @@ def fidelities() -> list[str]:
     return choices("UltrasonicSensor", "fidelity")
 
 
-def takes(fidelity: str, pose: Pose) -> bool:
-    """Whether the pose can be put before it: no mesh is endless."""
-    return fidelity != "surface" or pose.mesh is not None
-
-
 def posed(fidelity: str, pose: Pose, **settings: Any) -> Any:
-    """A sensor before a pose, initialized; nothing is rounded. `surface` gets a mesh, `automatic` the body's too."""
-    values = pose.endless if fidelity == "surface" else pose.inputs
-    if pose.mesh and fidelity in ("surface", "automatic"):
-        mesh = pose.mesh()
-        values = {"surface_vertex_count": len(mesh.vertices)} | values | mesh.inputs
+    """A sensor before a pose, initialized; nothing is rounded. `surface` gets a mesh, `automatic` beside a capsule."""
+    values = pose.inputs
+    if pose.mesh and fidelity == "surface":
+        values = pose.mesh().inputs | pose.behind
+    elif pose.mesh and fidelity == "automatic" and "capsule_1_radius" in pose.inputs:
+        values = pose.mesh().inputs | pose.inputs
     return started("UltrasonicSensor", **values, fidelity=fidelity, resolution=0.0, **settings)
 
 
@@ -117,7 +113,7 @@ def accuracies(effort: Effort, say: Callable[[str], None] = lambda _: None) -> I
         say(f"{truth}: wave theory")
         spectra = [pose.spectrum(ears) for pose in poses]
         true = np.array([(ears.heard(spectrum), ears.level(spectrum)) for spectrum in spectra])
-        for fidelity in (name for name in fidelities() if takes(name, poses[0])):
+        for fidelity in fidelities():
             say(f"{truth}: {fidelity}")
             yield agreement(fidelity, truth, np.array([ping(fidelity, pose) for pose in poses]), true, ears.speed)
         widths = [2 * np.hypot(peer.length(), ears.baseline / 2) / ears.speed for peer in map(rays, poses) if peer]
@@ -147,7 +143,7 @@ def costs(effort: Effort) -> tuple[list[Cost], dict[str, float], Surface | None]
     counts: dict[tuple, int] = {}
     for truth in TRUTHS:
         for number, pose in enumerate(drawn(truth, effort.timed)):
-            for fidelity in (name for name in fidelities() if takes(name, pose)):
+            for fidelity in fidelities():
                 key = fidelity, truth, number
                 counts[key], calls[key] = many_pings(partial(posed, fidelity, pose, period=RESTING), RESTING)
             peer = rays(pose)
@@ -168,7 +164,6 @@ def costs(effort: Effort) -> tuple[list[Cost], dict[str, float], Surface | None]
         Cost(name, truth, name == Rays.NAME, float(np.mean([found[name, truth, n] for n in range(effort.timed)])))
         for name in names
         for truth in TRUTHS
-        if (name, truth, 0) in found
     ]
     return rows, {name: found[name,] for name in bare}, skin and replace(skin, seconds=found["mesh",])
 
