@@ -47,13 +47,13 @@ class Found(NamedTuple):
         """Fidelities, then peers."""
         return list(dict.fromkeys(row.name for row in self.costs))
 
-    def accuracy(self, name: str, truth: str) -> Accuracy:
-        """Of one of the names."""
-        return next(row for row in self.accuracies if (row.name, row.truth) == (name, truth))
+    def accuracy(self, name: str, truth: str) -> Accuracy | None:
+        """None where it cannot be: no mesh is endless."""
+        return next((row for row in self.accuracies if (row.name, row.truth) == (name, truth)), None)
 
-    def cost(self, name: str, truth: str) -> float:
-        """ns of a ping."""
-        return next(1e9 * row.seconds for row in self.costs if (row.name, row.truth) == (name, truth))
+    def cost(self, name: str, truth: str) -> float | None:
+        """ns of a ping; None where there is no accuracy."""
+        return next((1e9 * row.seconds for row in self.costs if (row.name, row.truth) == (name, truth)), None)
 
 
 class Cell(NamedTuple):
@@ -111,10 +111,13 @@ def _table(ax: Axes, found: Found) -> None:
 
 def cells(found: Found, name: str) -> Iterator[Cell]:
     """Of a row: time of a ping over all targets, then for each truth range error and detection."""
-    costs = [found.cost(name, truth) for truth in TRUTHS]
+    costs = [cost for cost in (found.cost(name, truth) for truth in TRUTHS) if cost is not None]
     yield Cell(f"{_short(min(costs))} to {_short(max(costs))}", None)
     for truth in TRUTHS:
         row = found.accuracy(name, truth)
+        if row is None:
+            yield from [Cell("endless", None), Cell("", None)]
+            continue
         half, most = (1e3 * percentile(row.errors, share) for share in (50, 95))
         yield Cell(f"{_short(half)} / {_short(most)}", GOOD if most <= 1.0 else FAIR if most <= 5.0 else BAD)
         share = row.detection
@@ -130,6 +133,8 @@ def _cost(ax: Axes, found: Found, truth: str, first: bool) -> None:
     """Time of a ping against error: a bar from the median to the 95th percentile, the mark on it."""
     for name in found.names:
         row, cost = found.accuracy(name, truth), found.cost(name, truth)
+        if row is None or cost is None:
+            continue
         color, mark = look(name)
         half, most = (max(1e3 * percentile(row.errors, share), LEAST) for share in (50, 95))
         ax.plot([cost, cost], [half, most], color=color, linewidth=1.2, alpha=0.6)
@@ -148,6 +153,8 @@ def _spread(ax: Axes, found: Found, truth: str, first: bool) -> None:
     """Share of the poses at which the truth and the sensor agree, by how far apart they may read."""
     for name in found.names:
         row = found.accuracy(name, truth)
+        if row is None:
+            continue
         share = (row.silent + np.arange(len(row.errors) + 1)) / row.poses
         errors = [LEAST, *np.maximum(1e3 * np.array(row.errors), LEAST), 3e3]
         style = ":" if name == Rays.NAME else "-"

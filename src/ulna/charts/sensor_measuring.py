@@ -68,7 +68,7 @@ class Surface:
 
     vertices: int
     lit: int
-    """Of them, those that both ears see."""
+    """Triangles that both ears see, each a point of the integral."""
     seconds: float
 
 
@@ -80,6 +80,11 @@ def percentile(values: list[float], share: float) -> float:
 def fidelities() -> list[str]:
     """In the order in which the unit declares them."""
     return choices("UltrasonicSensor", "fidelity")
+
+
+def takes(fidelity: str, pose: Pose) -> bool:
+    """Whether the pose can be put before it: no mesh is endless."""
+    return fidelity != "surface" or pose.mesh is not None
 
 
 def posed(fidelity: str, pose: Pose, **settings: Any) -> Any:
@@ -113,7 +118,7 @@ def accuracies(effort: Effort, say: Callable[[str], None] = lambda _: None) -> I
         say(f"{truth}: wave theory")
         spectra = [pose.spectrum(ears) for pose in poses]
         true = np.array([(ears.heard(spectrum), ears.level(spectrum)) for spectrum in spectra])
-        for fidelity in fidelities():
+        for fidelity in (name for name in fidelities() if takes(name, poses[0])):
             say(f"{truth}: {fidelity}")
             yield agreement(fidelity, truth, np.array([ping(fidelity, pose) for pose in poses]), true, ears.speed)
         widths = [2 * np.hypot(peer.length(), ears.baseline / 2) / ears.speed for peer in map(rays, poses) if peer]
@@ -143,7 +148,7 @@ def costs(effort: Effort) -> tuple[list[Cost], dict[str, float], Surface | None]
     counts: dict[tuple, int] = {}
     for truth in TRUTHS:
         for number, pose in enumerate(drawn(truth, effort.timed)):
-            for fidelity in fidelities():
+            for fidelity in (name for name in fidelities() if takes(name, pose)):
                 key = fidelity, truth, number
                 counts[key], calls[key] = many_pings(partial(posed, fidelity, pose, period=RESTING), RESTING)
             peer = rays(pose)
@@ -164,6 +169,7 @@ def costs(effort: Effort) -> tuple[list[Cost], dict[str, float], Surface | None]
         Cost(name, truth, name == Rays.NAME, float(np.mean([found[name, truth, n] for n in range(effort.timed)])))
         for name in names
         for truth in TRUTHS
+        if (name, truth, 0) in found
     ]
     return rows, {name: found[name,] for name in bare}, skin and replace(skin, seconds=found["mesh",])
 
@@ -182,9 +188,9 @@ def facing_arm() -> Surface:
 
 
 def many_pings(make: Callable[[], Any], period: float) -> tuple[int, Callable[[], None]]:
-    """As many pings, by powers of two, as take LONG_ENOUGH, at most PINGS; and the call that takes them in one step."""
+    """So many pings that they take LONG_ENOUGH or, by powers of 8, more; and the call that takes them in one step."""
     count, call = 4, repeated_step(make(), 4 * period)
-    while count * 2 <= PINGS and min(repeat(call, number=1, repeat=3)) < LONG_ENOUGH:
-        count *= 2
+    while count < PINGS and min(repeat(call, number=1, repeat=3)) < LONG_ENOUGH:
+        count *= 8
         call = repeated_step(make(), count * period)
     return count, call

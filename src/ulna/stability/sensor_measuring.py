@@ -84,6 +84,11 @@ class Ears:
         return bool(self.ping(inputs, "valid")[0])
 
 
+def takes(fidelity: str, target: str) -> bool:
+    """Whether it can be put before it: no mesh is endless."""
+    return fidelity != "surface" or target != "plane"
+
+
 def before(fidelity: str, target: str) -> tuple[Ears, Callable[[float, float], dict[str, Any]]]:
     """A sensor, and what its inputs are by distance (m) and angle (rad) of a target.
 
@@ -108,10 +113,10 @@ def measure_sensor(quick: bool = False) -> dict[str, Any]:
     fidelities = choices("UltrasonicSensor", "fidelity")
     return {
         "about": {"threshold": THRESHOLD, "wrong": WRONG, "side": side, "fidelities": fidelities},
-        "cells": [row for fidelity in fidelities for target in MAPS for row in cells(fidelity, target, side)],
+        "cells": [row for f in fidelities for t in MAPS if takes(f, t) for row in cells(f, t, side)],
         "gaps": list(gaps(25 if quick else 97)),
         "temperatures": list(temperatures(10.0 if quick else 5.0)),
-        "grazing": [row for fidelity in fidelities for row in grazing(fidelity, 6.0 if quick else 2.0)],
+        "grazing": [row for f in fidelities if takes(f, "plane") for row in grazing(f, 6.0 if quick else 2.0)],
         "beam": [row for target in TARGETS for row in beam(target, 15.0 if quick else 3.0)],
     }
 

@@ -103,6 +103,9 @@ def _edges(middles: np.ndarray) -> np.ndarray:
 def _map(ax: Axes, found: dict[str, Any], fidelity: str, target: str) -> None:
     """Cells by verdict, and the border of theory."""
     cells = [row for row in found["cells"] if (row["fidelity"], row["target"]) == (fidelity, target)]
+    if not cells:
+        ax.text(0.5, 0.5, "no mesh is endless", transform=ax.transAxes, ha="center", color="#777777")
+        return
     asides, ranges = (np.unique([row[key] for row in cells]) for key in ("aside", "range"))
     kinds = list(VERDICTS)
     numbers = np.full((len(ranges), len(asides)), np.nan)
