@@ -189,7 +189,8 @@ def told(results, sensor):
     return rows, heard, results[f"{sensor}.distance"][rows], results.time[rows] - width / 2
 
 
-def test_range_hears_what_is_loud_enough_and_where_it_is(reached):
+@pytest.mark.parametrize("sensor", ["specular", "surface", "automatic"])
+def test_range_hears_what_is_loud_enough_and_where_it_is(reached, sensor):
     names, results = reached
     air = theory.air()
     (wall, tilt), (ball, off) = before_the_hand(names, results)
@@ -197,7 +198,7 @@ def test_range_hears_what_is_loud_enough_and_where_it_is(reached):
         [theory.level("plane", d, a, 0.0, air) for d, a in zip(wall, tilt, strict=True)],
         [theory.level("sphere", d, a, names["BALL_RADIUS"], air) for d, a in zip(ball, off, strict=True)],
     )
-    rows, heard, read, times = told(results, "specular")
+    rows, heard, read, times = told(results, sensor)
     # the ball is beside the baseline's plane: up to half a baseline over its distance, 4 degrees, off for each ear
     assert heard[loud[rows] > -33.0].all() and np.count_nonzero(loud[rows] > -33.0) > 60
     assert not heard[loud[rows] < -39.0].any() and np.count_nonzero(loud[rows] < -39.0) > 30
