@@ -13,7 +13,7 @@ typedef struct Listening {
     Onset onsets[2 * MOST_ECHOES];
     int count, heard; /* of the onsets: all, and those in the sum */
     Turning modes[MOST_ECHOES];
-    double loudest; /* of the mesh, so far */
+    Phasor loudest; /* of the mesh, so far */
     int loudest_bin;
 } Listening;
 
@@ -51,12 +51,17 @@ static double cubic_at(double share, double span, double value, double slope, do
         + share * share * (next_value * (3.0 - 2.0 * share) - span * next_slope * rest);
 }
 
-static double square_between(double share, double span, Sample before, Sample after)
+static Phasor value_between(double share, double span, Sample before, Sample after)
 {
-    return square_of((Phasor){
+    return (Phasor){
         cubic_at(share, span, before.value.re, before.slope.re, after.value.re, after.slope.re),
         cubic_at(share, span, before.value.im, before.slope.im, after.value.im, after.slope.im),
-    });
+    };
+}
+
+static double square_between(double share, double span, Sample before, Sample after)
+{
+    return square_of(value_between(share, span, before, after));
 }
 
 /* What the air leaves on the way to the end of a bin; within the bin, the pieces see to it. */
@@ -98,9 +103,9 @@ static void pass_bin_of_mesh(const UltrasonicSensor *sensor, const Bins *bins, L
     mesh->slope = scaled(decay, mesh->slope);
     add_onsets_of(sensor, bins, listening->bin, 1.0, mesh);
     add_onsets_of(sensor, bins, listening->bin - bins->burst, -1.0, mesh);
-    double height = sqrt(square_of(sample_of_mesh(listening).value));
-    if (height > listening->loudest) {
-        listening->loudest = height;
+    Phasor now = sample_of_mesh(listening).value;
+    if (square_of(now) > square_of(listening->loudest)) {
+        listening->loudest = now;
         listening->loudest_bin = listening->bin;
     }
     listening->bin++;
@@ -140,20 +145,27 @@ static double passing_share(double low, double span, Sample before, Sample after
     return high;
 }
 
-/* The mesh as one echo: as loud as its sum becomes within a burst's peak time, and so early that it would be as high as
- * the mesh is at the crossing; past its peak, so early that it had its peak then. */
+/* The mesh as one echo, from its value at the crossing. It was as loud as it ever has been if it is heard when the
+ * comparator opens, and came so early that it had its peak then; else it is as loud as it becomes within a burst's peak
+ * time, and came so early that it is as high as it is at the crossing: in phase with its peak, where dispersion, which
+ * turns the slope by 90 degrees, has no share. */
 static Echo echo_of_mesh(const UltrasonicSensor *sensor, const Bins *bins, Listening *listening, double crossing,
-                         double height)
+                         Phasor value)
 {
     const double decay = exp(-bins->span);
-    int now = listening->bin - 1, end = listening->bin + (int)(sensor->peak_time / bins->span);
+    const int now = listening->bin - 1, end = listening->bin + (int)(sensor->peak_time / bins->span);
+    if (crossing > sensor->nearest_time) {
+        listening->loudest = value;
+        listening->loudest_bin = now;
+    }
     while (listening->bin < end) {
         pass_bin_of_mesh(sensor, bins, listening, decay);
     }
-    double most = listening->loudest, arrival = ((double)listening->loudest_bin + 1.0) * bins->span - sensor->peak_time;
+    double most = sqrt(square_of(listening->loudest)), in_phase = inner_product(value, listening->loudest) / most;
+    double arrival = ((double)listening->loudest_bin + 1.0) * bins->span - sensor->peak_time;
     if (listening->loudest_bin >= now) {
         Envelope there;
-        double margin = log(greater(most / height, 1.0));
+        double margin = log(most / (in_phase > 0.0 ? in_phase : sqrt(square_of(value))));
         arrival = crossing / sensor->ring_time - plain_rise(sensor, sensor->peak * exp(-margin), margin, &there);
     }
     double level = sensor->threshold + DECIBEL_PER_NEPER * log(most / sensor->peak);
@@ -162,17 +174,17 @@ static Echo echo_of_mesh(const UltrasonicSensor *sensor, const Bins *bins, Liste
 
 /* The mesh or the echo that weighs most at the crossing. */
 static Echo heaviest_of_all(const UltrasonicSensor *sensor, const Bins *bins, Listening *listening, const Echo *echoes,
-                            int echo_count, double crossing, double height)
+                            int echo_count, double crossing, Phasor value)
 {
     Echo echo = heaviest(sensor, echoes, echo_count, crossing);
-    double since = (crossing - echo.time) / sensor->ring_time;
+    double since = (crossing - echo.time) / sensor->ring_time, height = sqrt(square_of(value));
     if (since > 0.0 && height_of(sensor, echo) * height < sensor->peak * envelope_of(sensor, echo, since)) {
         if (shifted(sensor, echo)) {
             lone_crossing(sensor, &echo);
         }
         return echo;
     }
-    return echo_of_mesh(sensor, bins, listening, crossing, height);
+    return echo_of_mesh(sensor, bins, listening, crossing, value);
 }
 
 /* Bin by bin up to `end`; the comparator is deaf until it opens. */
@@ -192,8 +204,8 @@ static Detection listen(const UltrasonicSensor *sensor, const Bins *bins, Listen
             double share = opens ? deaf : passing_share(low, span, before, after, threshold);
             double crossing = opens ? sensor->nearest_time
                                     : ((double)(listening->bin - 1) + share) * span * sensor->ring_time;
-            double height = sqrt(square_between(share, span, mesh, mesh_after));
-            Echo echo = heaviest_of_all(sensor, bins, listening, echoes, echo_count, crossing, height);
+            Phasor value = value_between(share, span, mesh, mesh_after);
+            Echo echo = heaviest_of_all(sensor, bins, listening, echoes, echo_count, crossing, value);
             return (Detection){crossing, echo};
         }
         mesh = mesh_after;
