@@ -92,7 +92,7 @@ def scene() -> Scene:
         reaching.connect(ball.center, sensor.target)
         reaching.record(sensor)
 
-    reaching.record(upper.angle, upper.target_angle, upper.hinge)
+    reaching.record(upper.hinge)
     reaching.record(forearm.angle, forearm.target_angle, forearm.hinge, forearm.tip_position, forearm.tip_orientation)
     for body in (ball, wall):
         reaching.record(body.position, body.orientation)

@@ -204,11 +204,12 @@ def test_range_hears_what_is_loud_enough_and_where_it_is(reached, sensor):
     assert not heard[loud[rows] < -39.0].any() and np.count_nonzero(loud[rows] < -39.0) > 30
     errors = [np.abs(read - np.interp(times, results.time, true)) for true in (wall, ball)]
     speed = max(np.abs(np.gradient(true, results.time)).max() for true in (wall, ball))
-    # rounding to 3 mm, and a row that may be a step late
-    assert np.minimum(*errors)[heard].max() < 0.0015 + speed * results.time[1]
+    # rounding to 3 mm, a row that may be a step late, and of a mesh what it is held to
+    within = 0.0015 + speed * results.time[1] + 0.35e-3 * (sensor == "surface")
+    assert np.minimum(*errors)[heard].max() < within
     # held out, the hand hears the ball, which is nearer than the wall
     held = (times > 3.2) & (times < 5.0)
-    assert errors[1][held].max() < 0.0015 + speed * results.time[1] and held.sum() > 25
+    assert errors[1][held].max() < within and held.sum() > 25
 
 
 def test_range_rays_see_the_wall_too_far_and_pass_the_ball_by(reached):
