@@ -8,6 +8,7 @@
 
 #include "rays.c"
 #include "fresnel.c"
+#include "shading.c"
 #include "specular.c"
 #include "doppler.c"
 #include "envelope.c"
