@@ -46,8 +46,11 @@ CAPSULES = {
     "capsule_2_end": "m",
     "capsule_2_radius": "m",
 }
+HOLDERS = ("upper_arm", "forearm")
 POINTS = {f"{method}_{kind}": "m" for method in METHODS for kind in ("point", "vertex", "ring_vertex")}
+POINTS |= {f"{bone}_vertex": "m" for bone in HOLDERS}
 NORMALS = {f"{method}_{kind}": "1" for method in METHODS for kind in ("normal", "ring_normal")}
+NORMALS |= {f"{bone}_normal": "1" for bone in HOLDERS}
 BEND = {"bend_rotation": "1", "bend_gap": "m"}
 RESULTS = CAPSULES | BEND | POINTS | NORMALS
 UNITS = LENGTHS | POSES | SKIN | RESULTS
@@ -100,6 +103,9 @@ def _derive(values: Values) -> Values:
         results[f"{method}_point"] = turn.T @ (vertex - place) - elbow
         results[f"{method}_normal"] = deformed_normal(vertex, values)
         results[f"{method}_ring_normal"] = deformed_normal(vertex, values | _on_ring(values))
+    for bone, image in zip(HOLDERS, (upper_arm, forearm), strict=True):
+        results[f"{bone}_vertex"] = (image @ ca.vertcat(elbow + values["point"], 1))[:3]
+        results[f"{bone}_normal"] = image[:3, :3] @ values["rest_normal"]
     # a ring's middle is on the bone, and so is its centre of rotation
     on_bone = [(values[name][1:], SX.zeros(2)) for name in ("center", "center_rate")]
     for kind in ("ring_vertex", "ring_normal"):

@@ -129,7 +129,8 @@ static CenterNode bin_node(const WeightBin *bins, size_t axis, double weight)
     return node;
 }
 
-static void set_vertex_centers(const ArmMesh *mesh, float *rows)
+/* `stride` from one row to the next. */
+static void set_vertex_centers(const ArmMesh *mesh, float *rows, size_t stride)
 {
     WeightBin bins[WEIGHT_BINS];
     CenterNode table[CENTER_STEPS + 1];
@@ -141,8 +142,8 @@ static void set_vertex_centers(const ArmMesh *mesh, float *rows)
         }
         for (size_t i = 0; i < n; i++) {
             CenterNode node = center_between(table, (double)mesh->vertex_row[VERTEX_WEIGHT][i]);
-            rows[(VERTEX_CENTER_X + axis) * n + i] = (float)node.place;
-            rows[(VERTEX_CENTER_RATE_X + axis) * n + i] = (float)node.rate;
+            rows[(VERTEX_CENTER_X + axis) * stride + i] = (float)node.place;
+            rows[(VERTEX_CENTER_RATE_X + axis) * stride + i] = (float)node.rate;
         }
     }
 }

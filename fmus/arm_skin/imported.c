@@ -3,6 +3,7 @@
  */
 #include "equations.h"
 #include "centers.c"
+#include "vertices.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -22,6 +23,14 @@ typedef struct MeshHeader {
     char reserved[8];
     uint8_t forearm[MOST_JOINTS]; /* of each joint: 0 follows the upper arm, 1 the forearm */
 } MeshHeader;
+
+/* From one row of vertices to the next: rows begin where the widest vectors do. */
+enum { ROW_BYTES = 64, ROW_FLOATS = ROW_BYTES / sizeof(float) };
+
+static size_t row_stride(size_t vertex_count)
+{
+    return (vertex_count + ROW_FLOATS - 1) / ROW_FLOATS * ROW_FLOATS;
+}
 
 static uint64_t mesh_file_size(const MeshHeader *header)
 {
@@ -136,7 +145,7 @@ static Status check_rows(const ArmMesh *mesh, Log *log)
                 return report(log, STATUS_ERROR, "the mesh among the resources: vertex %zu is not within %g m of the elbow", i,
                               (double)FARTHEST);
             }
-            if (!isfinite(row[VERTEX_GRADIENT_X + axis][i])) {
+            if (!isfinite(row[VERTEX_LEVEL_X + axis][i])) {
                 return report(log, STATUS_ERROR, "the mesh among the resources: gradient %zu is not finite", i);
             }
             normal += row[VERTEX_NORMAL_X + axis][i] * row[VERTEX_NORMAL_X + axis][i];
@@ -207,16 +216,71 @@ static double bending_volume(const ArmMesh *mesh)
     return sum / 12.0;
 }
 
+/* Normals at length 1, and gradients turned into lines of equal weight. */
+static void set_levels(size_t n, float *rows)
+{
+    size_t stride = row_stride(n);
+    float *normal = rows + VERTEX_NORMAL_X * stride, *level = rows + VERTEX_LEVEL_X * stride;
+    for (size_t i = 0; i < n; i++) {
+        Vector along = vector((double)normal[i], (double)normal[stride + i], (double)normal[2 * stride + i]);
+        Vector gradient = vector((double)level[i], (double)level[stride + i], (double)level[2 * stride + i]);
+        along = scale(1.0 / norm(along), along);
+        Vector across = level_line(gradient, along);
+        normal[i] = (float)along.x;
+        normal[stride + i] = (float)along.y;
+        normal[2 * stride + i] = (float)along.z;
+        level[i] = (float)across.x;
+        level[stride + i] = (float)across.y;
+        level[2 * stride + i] = (float)across.z;
+    }
+}
+
+static Holder holder_of(const ArmMesh *mesh, size_t i)
+{
+    float weight = mesh->vertex_row[VERTEX_WEIGHT][i];
+    bool level = mesh->vertex_row[VERTEX_LEVEL_X][i] == 0.0f && mesh->vertex_row[VERTEX_LEVEL_X + 1][i] == 0.0f &&
+                 mesh->vertex_row[VERTEX_LEVEL_X + 2][i] == 0.0f;
+    return level && weight == 0.0f ? FOLLOWS_UPPER_ARM : level && weight == 1.0f ? FOLLOWS_FOREARM : FOLLOWS_BOTH;
+}
+
+/* Neighbours in number that follow the same, LEAST_RUN at a time. */
+static size_t set_runs(const ArmMesh *mesh, VertexRun *run)
+{
+    size_t count = 0;
+    for (size_t begin = 0; begin < mesh->vertex_count; begin += LEAST_RUN) {
+        size_t end = begin + LEAST_RUN < mesh->vertex_count ? begin + LEAST_RUN : mesh->vertex_count;
+        Holder holder = holder_of(mesh, begin);
+        for (size_t i = begin + 1; i < end; i++) {
+            holder = holder_of(mesh, i) == holder ? holder : FOLLOWS_BOTH;
+        }
+        if (count && run[count - 1].holder == holder) {
+            run[count - 1].end = end;
+        } else {
+            VertexRun next = {begin, end, holder};
+            run[count++] = next;
+        }
+    }
+    return count;
+}
+
+static bool read_rows(FILE *file, size_t n, size_t count, float *rows)
+{
+    bool read = true;
+    for (size_t row = 0; row < count && read; row++) {
+        read = fread(rows + row * row_stride(n), sizeof(float), n, file) == n;
+    }
+    return read;
+}
+
 static Status read_mesh(FILE *file, const MeshHeader *header, bool rigid, ArmMesh *mesh, float *rows, int32_t *triangle,
                         Log *log)
 {
-    size_t n = header->vertex_count;
-    float *share = rows + VERTEX_WEIGHT * n;
+    size_t n = header->vertex_count, stride = row_stride(n);
+    float *share = rows + VERTEX_WEIGHT * stride;
     /* the rows of centres are free until the weights are known */
-    float *weights = rows + VERTEX_CENTER_X * n;
-    uint8_t *joints = (uint8_t *)(rows + (VERTEX_CENTER_X + INFLUENCES) * n);
-    bool read = fread(rows, sizeof(float), VERTEX_WEIGHT * n, file) == VERTEX_WEIGHT * n &&
-                fread(rows + VERTEX_GRADIENT_X * n, sizeof(float), 3 * n, file) == 3 * n &&
+    float *weights = rows + VERTEX_CENTER_X * stride;
+    uint8_t *joints = (uint8_t *)(rows + (VERTEX_CENTER_X + INFLUENCES) * stride);
+    bool read = read_rows(file, n, VERTEX_WEIGHT, rows) && read_rows(file, n, 3, rows + VERTEX_LEVEL_X * stride) &&
                 fread(weights, sizeof(float), INFLUENCES * n, file) == INFLUENCES * n &&
                 fread(joints, 1, INFLUENCES * n, file) == INFLUENCES * n &&
                 fread(triangle, sizeof(int32_t), 3 * mesh->triangle_count, file) == 3 * mesh->triangle_count;
@@ -224,12 +288,20 @@ static Status read_mesh(FILE *file, const MeshHeader *header, bool rigid, ArmMes
     status = status == STATUS_OK ? sum_weights(header, rigid, weights, joints, share, log) : status;
     status = status == STATUS_OK ? check_triangles(mesh, log) : status;
     if (status == STATUS_OK && rigid) {
-        memset(rows + VERTEX_GRADIENT_X * n, 0, 3 * n * sizeof(float));
+        memset(rows + VERTEX_LEVEL_X * stride, 0, 3 * stride * sizeof(float));
+    }
+    if (status == STATUS_OK) {
+        set_levels(n, rows);
     }
     return status;
 }
 
-/* The mesh, its rows and its triangles lie in the workspace one after the other. */
+static size_t most_runs(size_t vertex_count)
+{
+    return vertex_count / LEAST_RUN + 1;
+}
+
+/* The mesh, its runs, its rows and its triangles lie in the workspace one after the other. */
 static Status prepare_imported(const ArmSkin *skin, const char *resources, ArmMesh *mesh, Log *log)
 {
     FILE *file;
@@ -253,16 +325,21 @@ static Status prepare_imported(const ArmSkin *skin, const char *resources, ArmMe
     memset(mesh, 0, sizeof *mesh);
     mesh->vertex_count = header.vertex_count;
     mesh->triangle_count = header.triangle_count;
-    float *rows = (float *)(mesh + 1);
-    int32_t *triangle = (int32_t *)(rows + VERTEX_ROWS * mesh->vertex_count);
+    VertexRun *run = (VertexRun *)(mesh + 1);
+    size_t before = (uintptr_t)(run + most_runs(mesh->vertex_count)) % ROW_BYTES;
+    float *rows = (float *)((char *)(run + most_runs(mesh->vertex_count)) + (ROW_BYTES - before) % ROW_BYTES);
+    size_t stride = row_stride(mesh->vertex_count);
+    int32_t *triangle = (int32_t *)(rows + VERTEX_ROWS * stride);
     mesh->triangle = triangle;
     for (size_t row = 0; row < VERTEX_ROWS; row++) {
-        mesh->vertex_row[row] = rows + row * mesh->vertex_count;
+        mesh->vertex_row[row] = rows + row * stride;
     }
     status = read_mesh(file, &header, skin->method == ARM_SKIN_METHOD_RIGID, mesh, rows, triangle, log);
     fclose(file);
     if (status == STATUS_OK) {
-        set_vertex_centers(mesh, rows);
+        mesh->run = run;
+        mesh->run_count = set_runs(mesh, run);
+        set_vertex_centers(mesh, rows, stride);
         mesh->zone_volume = bending_volume(mesh);
     }
     return status;
@@ -270,7 +347,8 @@ static Status prepare_imported(const ArmSkin *skin, const char *resources, ArmMe
 
 static size_t imported_size(const ArmSkin *skin)
 {
-    return sizeof(ArmMesh) + (size_t)skin->vertex_count * VERTEX_ROWS * sizeof(float) +
+    return sizeof(ArmMesh) + most_runs((size_t)skin->vertex_count) * sizeof(VertexRun) + ROW_BYTES +
+           row_stride((size_t)skin->vertex_count) * VERTEX_ROWS * sizeof(float) +
            (size_t)skin->triangle_count * 3 * sizeof(int32_t);
 }
 

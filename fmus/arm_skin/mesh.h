@@ -49,11 +49,21 @@ typedef enum VertexRow {
     VERTEX_X, /* from the elbow */
     VERTEX_NORMAL_X = VERTEX_X + 3,
     VERTEX_WEIGHT = VERTEX_NORMAL_X + 3,
-    VERTEX_GRADIENT_X,
-    VERTEX_CENTER_X = VERTEX_GRADIENT_X + 3,
+    VERTEX_LEVEL_X, /* gradient of the weight x normal: along the line of equal weight */
+    VERTEX_CENTER_X = VERTEX_LEVEL_X + 3,
     VERTEX_CENTER_RATE_X = VERTEX_CENTER_X + 3,
     VERTEX_ROWS = VERTEX_CENTER_RATE_X + 3
 } VertexRow;
+
+/* Whom all vertices of a run follow. */
+typedef enum Holder { FOLLOWS_UPPER_ARM, FOLLOWS_FOREARM, FOLLOWS_BOTH } Holder;
+
+typedef struct VertexRun {
+    size_t begin, end;
+    Holder holder;
+} VertexRun;
+
+enum { LEAST_RUN = 64 }; /* vertices; but for the last run */
 
 typedef struct ArmMesh {
     size_t vertex_count, ring_count;
@@ -67,6 +77,8 @@ typedef struct ArmMesh {
     const float *vertex_row[VERTEX_ROWS];
     size_t triangle_count; /* of a mesh that is no stack of rings; 0 where it is */
     const int32_t *triangle;
+    size_t run_count;
+    const VertexRun *run;
     float spoke_y[RING_VERTICES], spoke_z[RING_VERTICES]; /* cosine and sine again */
 } ArmMesh;
 

@@ -43,6 +43,10 @@ typedef struct SkinMotion {
     float widening;
     float spread;        /* twist along the forearm, rad */
     float spread_begin, spread_slope; /* where it begins, from the elbow, m; its share, 1/m */
+    Matrix3 into_hinge, hinge; /* from the axes at rest to those of the turn, the first along it; from these to the world */
+    Float3 hinge_gap, hinge_slide;
+    float sine;                     /* of half the near turn */
+    float full_cosine, full_sine; /* cosine - 1 and sine of all of it */
 } SkinMotion;
 
 /* What a method makes of a weight, or its derivative by the weight. */
@@ -200,6 +204,53 @@ static Matrix3 matrix_float(Quaternion axes, Vector x, Vector y, Vector z)
     return m;
 }
 
+/* The axis of a turn may be any. From `side`, 1 or -1, it is no more than a right angle away; where there
+ * is no turn, it is x. */
+typedef struct HingeSide {
+    double side, no_turn;
+} HingeSide;
+
+#ifdef __cplusplus
+static HingeSide hinge_side(Vector t)
+{
+    (void)t;
+    HingeSide side = {1.0, 0.0};
+    return side;
+}
+#else
+static HingeSide hinge_side(Vector t)
+{
+    HingeSide side = {t.z < 0.0 ? -1.0 : 1.0, dot(t, t) > 0.0 ? 0.0 : 1.0};
+    return side;
+}
+#endif
+
+/* What the vertices of an imported mesh need: axes of which the first is that of the turn (Duff et al., "Building an
+ * orthonormal basis, revisited", 2017), and all of the turn as a complex number. */
+static void set_hinge(SkinMotion *motion, Quaternion axes, Bend bend, Vector slide, HingeSide at)
+{
+    Vector t = vector(bend.near.x + at.no_turn, bend.near.y, bend.near.z);
+    real length = norm(t), sine = length - at.no_turn, cosine = bend.near.w;
+    Vector along = scale(1.0 / length, t);
+    real share = -1.0 / (at.side + along.z);
+    real skew = along.x * along.y * share;
+    Vector first = vector(1.0 + at.side * along.x * along.x * share, at.side * skew, -at.side * along.x);
+    Vector second = vector(skew, at.side + along.y * along.y * share, -along.y);
+    real near_cosine = 1.0 - 2.0 * sine * sine, near_sine = 2.0 * sine * cosine;
+    Matrix3 into_hinge = {{(float)along.x, (float)first.x, (float)second.x},
+                          {(float)along.y, (float)first.y, (float)second.y},
+                          {(float)along.z, (float)first.z, (float)second.z}};
+    Float3 gap = {(float)dot(along, bend.gap), (float)dot(first, bend.gap), (float)dot(second, bend.gap)};
+    Float3 slid = {(float)dot(along, slide), (float)dot(first, slide), (float)dot(second, slide)};
+    motion->into_hinge = into_hinge;
+    motion->hinge = matrix_float(axes, along, first, second);
+    motion->hinge_gap = gap;
+    motion->hinge_slide = slid;
+    motion->sine = (float)sine;
+    motion->full_cosine = (float)(near_cosine * cos(bend.excess) - near_sine * sin(bend.excess) - 1.0);
+    motion->full_sine = (float)(near_sine * cos(bend.excess) + near_cosine * sin(bend.excess));
+}
+
 /* Of a bend that has been followed. */
 static SkinMotion skin_motion_of(const ArmSkin *skin, Bend bend, real widening, real spread)
 {
@@ -210,6 +261,7 @@ static SkinMotion skin_motion_of(const ArmSkin *skin, Bend bend, real widening, 
     Vector tx = scale(2.0, cross(t, x)), ty = scale(2.0, cross(t, y)), tz = scale(2.0, cross(t, z));
     Vector elbow = add(skin->upper_arm_position, rotate(axes, arm_skin_elbow(skin)));
     Vector inward = scale(SECTION_DRAW * skin->blend_half_width, cross(t, x));
+    Vector slide = add_scaled(cross(bend.gap, t), bend.near.w, bend.gap);
     real full = bend.near.w + sin(bend.excess) * -0.5;
     real half = 0.5 + 0.5 * cos(bend.excess);
     SkinMotion motion = {
@@ -220,7 +272,7 @@ static SkinMotion skin_motion_of(const ArmSkin *skin, Bend bend, real widening, 
         .second = matrix_float(axes, cross(t, tx), cross(t, ty), cross(t, tz)),
         .shift = {(float)elbow.x, (float)elbow.y, (float)elbow.z},
         .gap = to_float(axes, bend.gap),
-        .slide = to_float(axes, add_scaled(cross(bend.gap, t), bend.near.w, bend.gap)),
+        .slide = to_float(axes, slide),
         .inward = {(float)inward.x, (float)inward.y, (float)inward.z},
         .cosine = (float)bend.near.w,
         .sine_square = (float)dot(t, t),
@@ -235,6 +287,7 @@ static SkinMotion skin_motion_of(const ArmSkin *skin, Bend bend, real widening, 
     Float3 rest = {(float)(elbow.x - (real)motion.shift.x), (float)(elbow.y - (real)motion.shift.y),
                    (float)(elbow.z - (real)motion.shift.z)};
     motion.rest_of_shift = rest;
+    set_hinge(&motion, axes, bend, slide, hinge_side(t));
     return motion;
 }
 

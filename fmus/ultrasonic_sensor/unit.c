@@ -18,18 +18,19 @@
 #define DEVICE_SPEED (0.01 / 58e-6) /* m/s of echo width: the sheet's 58 us a centimetre */
 #define SHORTEST_PERIOD 0.001 /* s; the air is not silent sooner, and each ping costs an event */
 
+/* One sign tells of all indices whether one is below 0 or above the last vertex: this runs after every change. */
 static Status check_triangles(const UltrasonicSensor *sensor, Log *log)
 {
     const int32_t *vertices = ultrasonic_sensor_surface_triangles(sensor);
-    uint64_t count = 6 * sensor->surface_vertex_count;
-    uint32_t largest = 0;
-    for (uint64_t k = 0; k < count; k++) {
-        largest = (uint32_t)vertices[k] > largest ? (uint32_t)vertices[k] : largest;
+    size_t count = 6 * (size_t)sensor->surface_vertex_count;
+    uint32_t last = (uint32_t)sensor->surface_vertex_count - 1, outside = 0;
+    for (size_t k = 0; k < count; k++) {
+        outside |= (last - (uint32_t)vertices[k]) | (uint32_t)vertices[k];
     }
-    for (uint64_t k = 0; largest >= sensor->surface_vertex_count && k < count; k++) {
-        if ((uint32_t)vertices[k] == largest) {
-            return report(log, STATUS_ERROR, "surface_triangles[%" PRIu64 "] = %" PRId32 "; allowed range: 0 to "
-                          "surface_vertex_count - 1, here %" PRIu64, k + 1, vertices[k], sensor->surface_vertex_count - 1);
+    for (size_t k = 0; outside >> 31 && k < count; k++) {
+        if (vertices[k] < 0 || (uint32_t)vertices[k] > last) {
+            return report(log, STATUS_ERROR, "surface_triangles[%zu] = %" PRId32 "; allowed range: 0 to "
+                          "surface_vertex_count - 1 (%" PRIu32 ")", k + 1, vertices[k], last);
         }
     }
     return STATUS_OK;
@@ -77,7 +78,16 @@ static void notice_inputs(UltrasonicSensor *sensor)
 
 static bool trigger_rises(const UltrasonicSensor *sensor)
 {
-    return sensor->trigger && !sensor->trigger_before;
+    return sensor->trigger_clock || (sensor->trigger && !sensor->trigger_before);
+}
+
+/* Whether the burst of the ping, or its end, is due. Its own time counts, which `time` may miss by a rounding, and where
+ * the clock of the echo ticks by what an importer's time is off. */
+static bool is_due(const UltrasonicSensor *sensor)
+{
+    double rounding = (sensor->echo_clock ? 1e-9 : 1e-12) * (1.0 + fabs(sensor->time));
+    double next = sensor->waiting ? sensor->emission_time : sensor->finish_time;
+    return (sensor->waiting || sensor->in_flight) && next <= sensor->time + rounding;
 }
 
 /* A product, not a sum of steps: no drift. */
@@ -184,7 +194,7 @@ static void finish_ping(UltrasonicSensor *sensor)
 
 static double ultrasonic_sensor_next_event(const UltrasonicSensor *sensor)
 {
-    if (trigger_rises(sensor)) {
+    if (trigger_rises(sensor) || is_due(sensor)) {
         return sensor->time;
     }
     if (sensor->waiting) {
@@ -193,15 +203,14 @@ static double ultrasonic_sensor_next_event(const UltrasonicSensor *sensor)
     return sensor->in_flight ? sensor->finish_time : ping_time(sensor, sensor->next_ping);
 }
 
-/* One event at a time, the earliest; its own time counts, which `time` may miss by a rounding. A
- * trigger while a ping waits or flies is lost. */
+/* One event at a time, the earliest. A trigger while a ping waits or flies is lost. */
 static void ultrasonic_sensor_event(UltrasonicSensor *sensor)
 {
-    bool waiting = sensor->waiting, busy = waiting || sensor->in_flight;
-    bool due = busy && (waiting ? sensor->emission_time : sensor->finish_time) <= sensor->time;
+    bool waiting = sensor->waiting, busy = waiting || sensor->in_flight, due = is_due(sensor);
     notice_inputs(sensor);
     if (trigger_rises(sensor) && !due) {
-        sensor->trigger_before = true;
+        sensor->trigger_before |= sensor->trigger;
+        sensor->trigger_clock = false;
         if (!busy) {
             await_burst(sensor, sensor->time + sensor->trigger_latency);
         }
@@ -213,6 +222,13 @@ static void ultrasonic_sensor_event(UltrasonicSensor *sensor)
         await_burst(sensor, burst_time(sensor, sensor->next_ping));
         sensor->next_ping++;
     }
+}
+
+/* Of the clock of the echo: when the ping in flight ends. */
+static double ultrasonic_sensor_clock_time(const UltrasonicSensor *sensor, size_t clock)
+{
+    (void)clock;
+    return sensor->in_flight ? sensor->finish_time : INFINITY;
 }
 
 /* Nothing happens between events but the passing of time. */

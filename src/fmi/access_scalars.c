@@ -20,6 +20,7 @@ static Status set_element(Instance *instance, const char *call, const Variable *
     case UINT64: memcpy(place, &(uint64_t){(uint64_t)value}, sizeof(uint64_t)); break;
     case ENUMERATION: memcpy(place, &(int64_t){(int64_t)value}, sizeof(int64_t)); break;
     case BOOLEAN: memcpy(place, &(bool){value > 0.5}, sizeof(bool)); break;
+    case CLOCK:
     case BINARY:
     case VALUE_TYPES: break;
     }

@@ -22,6 +22,7 @@ static void load_complex(char *values, const double *by_reference, const double 
             case UINT64: ((uint64_t *)(void *)place)[k] = (uint64_t)value; break;
             case ENUMERATION: ((int64_t *)(void *)place)[k] = (int64_t)value; break;
             case BOOLEAN: ((bool *)place)[k] = value != 0.0; break;
+            case CLOCK:
             case BINARY:
             case VALUE_TYPES: break;
             }

@@ -22,6 +22,9 @@
  *     double sensor_next_event(const Sensor *)      time of the next event, INFINITY for none
  *     void sensor_event(Sensor *)                   handles the event that is due, so that the next one is
  *                                                   another; `time` may miss its time by a rounding
+ *   where there are clocks, they are fields that are true while the clock is active, until all events of
+ *   that time are handled; of a countdown clock
+ *     double sensor_clock_time(const Sensor *, size_t clock)  when it ticks, INFINITY where that is not known
  *   where unit.toml names a `workspace`: memory that follows from the parameters alone, and is
  *   therefore no part of a saved state; groups and streams then take it as a second argument
  *     size_t skin_workspace_size(const Skin *)
@@ -73,6 +76,8 @@ typedef struct Unit {
     double (*state_sum)(const void *values); /* of all states: finite only where each of them is */
     double (*next_event)(const void *values);
     void (*event)(void *values);
+    void (*deactivate_clocks)(void *values);
+    double (*clock_time)(const void *values, size_t clock);
     size_t (*array)(const void *values, size_t variable); /* where it lies; of variable_count, where all end */
     size_t (*workspace_size)(const void *values);
     Status (*prepare)(const void *values, const char *resources, void *workspace, Log *log);

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-typedef enum ValueType { FLOAT64, FLOAT32, INT32, UINT64, BOOLEAN, ENUMERATION, BINARY, VALUE_TYPES } ValueType;
+typedef enum ValueType { FLOAT64, FLOAT32, INT32, UINT64, BOOLEAN, ENUMERATION, BINARY, CLOCK, VALUE_TYPES } ValueType;
 
 typedef enum Causality {
     INDEPENDENT,
@@ -36,6 +36,7 @@ typedef struct Variable {
     uint16_t rate;          /* index of the input that holds this one's slope, or NO_VARIABLE */
     bool quaternion;        /* its norm is checked */
     bool state;             /* a continuous state; its derivative is the row after it */
+    bool countdown;         /* a clock that the unit times; what was said of it are the two rows after it */
     size_t offset;          /* in the unit's struct, bytes; 0 where it is no field of it */
     uint32_t reference;     /* value reference of the first element; the others follow */
     uint32_t count;         /* elements, of a BINARY its bytes; per size_of, if there is one */

@@ -46,7 +46,7 @@ int slave_reset(Slave *slave);
 /* Initialized and ready to run: in Step Mode, or in Continuous-Time Mode. */
 void slave_start(Slave *slave);
 
-/* Whether the version shows it: FMI 2 no stream, and no array that a structural parameter sizes. */
+/* Whether the version shows it: FMI 2 no stream, no clock, and no array that a structural parameter sizes. */
 bool slave_has(const Variable *variable);
 
 /* All elements of a variable that is no stream, as doubles. */

@@ -83,7 +83,7 @@ int slave_reset(Slave *slave)
 
 bool slave_has(const Variable *variable)
 {
-    return is_field(variable);
+    return is_field(variable) && variable->type != CLOCK;
 }
 
 static void list_references(const Variable *variable, fmi2ValueReference *references)

@@ -80,6 +80,15 @@ bool slave_has(const Variable *variable)
     return true;
 }
 
+static int move_clock(Slave *slave, const Variable *variable, double *value, bool set)
+{
+    fmi3Clock clock = set && *value > 0.0;
+    fmi3Status status = set ? fmi3SetClock(slave->instance, &variable->reference, 1, &clock)
+                            : fmi3GetClock(slave->instance, &variable->reference, 1, &clock);
+    *value = clock;
+    return (int)status;
+}
+
 /* One variable of a type that is no double, there and back through doubles. */
 #define GET(TYPE)                                                                                                    \
     {                                                                                                                \
@@ -118,6 +127,7 @@ int slave_get(Slave *slave, const Variable *variable, double *values)
     case BOOLEAN: GET(Boolean)
     case ENUMERATION: GET(Int64)
     case BINARY: return move_binary(slave, variable, false);
+    case CLOCK: return move_clock(slave, variable, values, false);
     case VALUE_TYPES: break;
     }
     return ERROR;
@@ -133,6 +143,7 @@ int slave_set(Slave *slave, const Variable *variable, const double *values)
     case BOOLEAN: SET(Boolean)
     case ENUMERATION: SET(Int64)
     case BINARY: return move_binary(slave, variable, true);
+    case CLOCK: return move_clock(slave, variable, &(double){values[0]}, true);
     case VALUE_TYPES: break;
     }
     return ERROR;

@@ -133,13 +133,15 @@ static void check_life(Kind kind)
 static void check_states(Kind kind)
 {
     Slave slave, other;
-    void *state = NULL, *small = NULL, *copy = NULL;
+    void *state = NULL, *small = NULL, *grown = NULL, *copy = NULL;
     size_t size = 0, small_size = 0;
     slave_open(&slave, kind);
     CHECK(slave_save(&slave, &small) == OK && slave_serialized_size(&slave, small, &small_size) == OK, "%s", slave.log.text);
+    CHECK(slave_save(&slave, &grown) == OK, "%s", slave.log.text);
     set_extent(&slave, EXTENT);
     slave_start(&slave);
     set_all(&slave, EXTENT, 3);
+    CHECK(slave_save(&slave, &grown) == OK, "a small state is written over by a large one: %s", slave.log.text);
     CHECK(slave_save(&slave, &state) == OK && slave_serialized_size(&slave, state, &size) == OK, "%s", slave.log.text);
     CHECK(size > small_size, "the arrays are no part of the state");
     char *bytes = malloc(size);
@@ -167,6 +169,7 @@ static void check_states(Kind kind)
     CHECK(allocator_calls() == before, "a step after a restore allocates");
     slave_release(&other, &state);
     slave_release(&other, &small);
+    slave_release(&other, &grown);
     slave_release(&other, &copy);
     slave_close(&other);
     free(bytes);

@@ -60,6 +60,15 @@ def packed(mesh: SkinMesh, folder: Path) -> bytes:
     return (folder / "mesh.bin").read_bytes()
 
 
+def vector_areas(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Sizes (n,) of the sums of the area vectors around each vertex, m^2."""
+    a, b, c = (vertices[triangles[:, k]].astype(float) for k in range(3))
+    total = np.zeros((len(vertices), 3))
+    for k in range(3):
+        np.add.at(total, triangles[:, k], np.cross(b - a, c - a))
+    return np.linalg.norm(total, axis=1)
+
+
 @pytest.fixture(scope="module")
 def imported(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("imported")
@@ -69,6 +78,8 @@ def imported(tmp_path_factory) -> Path:
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("twist_share", [0.0, 0.7])
 def test_an_imported_arm_is_the_procedural_one(imported: Path, method: str, twist_share: float) -> None:
+    triangles = arm_mesh().triangles
+    rest = vector_areas(arm_mesh().vertices, triangles)
     with Slave(imported) as mesh, Slave("ArmSkin") as rings:
         for skin in (mesh, rings):
             skin.set("method", method)
@@ -85,7 +96,10 @@ def test_an_imported_arm_is_the_procedural_one(imported: Path, method: str, twis
             centers = method == "center_of_rotation"
             places = np.abs(mesh.get("vertices") - rings.get("vertices")).max()
             assert places < (5e-6 if centers else 2 * FLOAT32_BOUND)
-            assert np.abs(mesh.get("normals") - rings.get("normals")).max() < (2e-3 if centers else 5e-6)
+            # some ten roundings at 1, in skin that shrinks divided by what is left of its area, as the normal is
+            off = np.abs(mesh.get("normals") - rings.get("normals")).max(axis=0)
+            left = vector_areas(rings.get("vertices").T, triangles) / rest
+            assert (off * np.minimum(left, 1.0)).max() < (1e-4 if centers else 6e-7)
         for name in ("minimum_section_ratio", "fold_fraction"):
             assert mesh.get(name) == pytest.approx(rings.get(name), abs=2e-3)
 

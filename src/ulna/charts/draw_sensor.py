@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from textwrap import wrap
 from typing import NamedTuple
 
 import numpy as np
@@ -77,8 +78,7 @@ def draw_sensor(found: Found, named: str, paths: Sequence[Path]) -> None:
         0.015, 0.942, f"{words}sensor and truth agree on whether there is an echo.", fontsize=12, color="#333333"
     )
     note = NOTES.format(same=1e3 * SAME, poses=max(row.poses for row in found.accuracies), named=named)
-    cut = note.rfind(" ", 0, len(note) // 2 + 10)
-    figure.text(0.015, 0.015, note[:cut] + "\n" + note[cut + 1 :], fontsize=9, color="#333333", linespacing=1.4)
+    figure.text(0.015, 0.015, "\n".join(wrap(note, 210)), fontsize=9, color="#333333", linespacing=1.4)
     save(figure, paths)
 
 
@@ -142,7 +142,7 @@ def _cost(ax: Axes, found: Found, truth: str, first: bool) -> None:
         ax.plot([cost, cost], [half, most], color=color, linewidth=1.2, alpha=0.6)
         ax.plot(cost, most, mark, color=color, markersize=8, label=name)
         ax.plot(cost, half, mark, color=color, markersize=4.5)
-    ax.set(xscale="log", yscale="log", xlim=(10, 1e7 if "surface" in found.names else 1e4), ylim=(LEAST, 3e3))
+    ax.set(xscale="log", yscale="log", xlim=(10, 1e7 if "surface" in found.names else 1e4), ylim=(LEAST, 3e4))
     _name(ax, truth, "ns a ping", "range error, mm" if first else "")
     if not first:
         ax.tick_params(labelleft=False)

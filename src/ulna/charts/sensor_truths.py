@@ -1,7 +1,8 @@
 """Poses of targets before an ultrasonic sensor, and what wave theory says of each: for the sensor's chart."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..bench.measuring import started
 from ..checks.textbook import load_model
+from . import sensor_meshes as meshes
 
 Array = NDArray[np.float64]
 FOREARM_LENGTH, FOREARM_RADIUS = 0.25, 0.04  # m
@@ -26,6 +28,10 @@ class Pose:
     inputs: dict[str, Any]
     spectrum: Callable[[Any], NDArray[np.complex128]]
     """Of the device of `models/ultrasonic_sensor/hearing.py`."""
+    mesh: Callable[[], meshes.TriangleMesh] | None = None
+    """Of the body; None where it has none."""
+    endless: dict[str, Any] = field(default_factory=dict)
+    """Those of the inputs that no mesh stands for: a plane's."""
 
 
 def theory() -> SimpleNamespace:
@@ -83,7 +89,8 @@ def sphere_at(distance: float, towards: Array, radius: float) -> Pose:
     """With its surface at a distance."""
     center = (distance + radius) * towards
     inputs = {"sphere_center": center, "sphere_radius": radius}
-    return Pose(inputs, lambda d: theory().echoes.rigid_sphere(d, center, radius))
+    mesh = partial(meshes.sphere, center, radius)
+    return Pose(inputs, lambda d: theory().echoes.rigid_sphere(d, center, radius), mesh)
 
 
 def forearm(rng: np.random.Generator) -> Pose:
@@ -102,7 +109,8 @@ def capsule_at(start: Array, end: Array, radius: float) -> Pose:
     def spectrum(d: Any) -> NDArray[np.complex128]:
         return theory().echoes.kirchhoff(d, *theory().surfaces.capsule_surface(start, end, radius))
 
-    return Pose({"capsule_1_start": start, "capsule_1_end": end, "capsule_1_radius": radius}, spectrum)
+    inputs = {"capsule_1_start": start, "capsule_1_end": end, "capsule_1_radius": radius}
+    return Pose(inputs, spectrum, partial(meshes.capsule, start, end, radius))
 
 
 def box(rng: np.random.Generator) -> Pose:
@@ -116,7 +124,8 @@ def box(rng: np.random.Generator) -> Pose:
     def spectrum(d: Any) -> NDArray[np.complex128]:
         return theory().echoes.kirchhoff(d, *theory().surfaces.box_surface(center, axes, size, d.ears))
 
-    return Pose({"box_center": center, "box_orientation": turn, "box_size": size}, spectrum)
+    inputs = {"box_center": center, "box_orientation": turn, "box_size": size}
+    return Pose(inputs, spectrum, partial(meshes.box, center, axes, size))
 
 
 def before_a_wall(
@@ -138,9 +147,9 @@ def before_a_wall(
     return drawn
 
 
-def both(first: Pose, second: Pose) -> Pose:
-    """Two targets: their echoes add up."""
-    return Pose(first.inputs | second.inputs, lambda d: first.spectrum(d) + second.spectrum(d))
+def both(body: Pose, wall: Pose) -> Pose:
+    """Their echoes add up."""
+    return Pose(body.inputs | wall.inputs, lambda d: body.spectrum(d) + wall.spectrum(d), body.mesh, wall.inputs)
 
 
 def _ball_of_sphere(pose: Pose) -> tuple[Array, float]:

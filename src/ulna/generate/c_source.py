@@ -10,6 +10,7 @@ C_TYPES = {
     "Int32": "int32_t",
     "UInt64": "uint64_t",
     "Boolean": "bool",
+    "Clock": "bool",
     "Enumeration": "int64_t",
 }
 NUMBER_TYPES = {
@@ -20,6 +21,7 @@ NUMBER_TYPES = {
     "Boolean": "BOOLEAN",
     "Enumeration": "ENUMERATION",
     "Binary": "BINARY",
+    "Clock": "CLOCK",
 }
 CAUSALITIES = {
     "independent": "INDEPENDENT",
@@ -145,6 +147,7 @@ def _row(unit: Declaration, v: Variable, places: dict[str, int]) -> str:
         str(places[v.rate]) if v.rate else "NO_VARIABLE",
         str(v.quaternion).lower(),
         str(v.state).lower(),
+        str(v.interval == "countdown").lower(),
         "0" if v.stream or v.sized else f"offsetof({unit.name}, {v.field})",
         str(v.reference),
         str(v.count),
@@ -190,9 +193,9 @@ def table(unit: Declaration) -> str:
 
 
 def _literal(value: float | bool, kind: str) -> str:
-    if kind == "Boolean":
+    if kind in ("Boolean", "Clock"):
         return str(bool(value)).lower()
-    return repr(float(value)) if kind in ("Float64", "Float32") else str(int(value))
+    return _number(value) if kind in ("Float64", "Float32") else str(int(value))
 
 
 def _initial(v: Variable) -> str:
@@ -212,6 +215,13 @@ def _wrappers(unit: Declaration) -> tuple[list[str], dict[str, str]]:
             "next_event": ("double", "const void *values", f"return {mine}_next_event(values);"),
             "event": ("void", "void *values", f"{mine}_event(values);"),
         }
+    clocks = [v for v in unit.variables if v.type == "Clock"]
+    if clocks:
+        text = [f"{typed} *all = values;", *(f"all->{v.field} = false;" for v in clocks)]
+        signatures["deactivate_clocks"] = ("void", "void *values", "\n    ".join(text))
+    if any(v.interval == "countdown" for v in clocks):
+        arguments = "const void *values, size_t clock"
+        signatures["clock_time"] = ("double", arguments, f"return {mine}_clock_time(values, clock);")
     if unit.workspace:
         signatures |= {
             "workspace_size": ("size_t", "const void *values", f"return {mine}_workspace_size(values);"),

@@ -22,6 +22,10 @@ FMI2_TYPES = {
 }
 
 
+CLOCK_RESOLUTION = 2**50
+"""Of intervals as fractions, per second; the one that fmi3_clocks.c gives: finer than the rounding of a time."""
+
+
 def _text(value: float | bool | str) -> str:
     if isinstance(value, bool):
         return str(value).lower()
@@ -48,7 +52,7 @@ def _start_values(unit: Declaration, v: Variable) -> tuple[float, ...]:
 
 
 def _has_start(variable: Variable) -> bool:
-    return variable.settable
+    return variable.settable and variable.type != "Clock"
 
 
 def _limits(variable: Variable) -> dict[str, object]:
@@ -157,6 +161,12 @@ def _fmi3_variable(unit: Declaration, parent: ET.Element, v: Variable) -> None:
         **_limits(v),
         derivative=unit.by_name(v.derivative_of).reference if v.derivative_of else None,
     )
+    if v.type == "Clock":
+        element.set("intervalVariability", v.interval)
+        if v.interval == "countdown":
+            element.set("supportsFraction", "true")
+            element.set("resolution", str(CLOCK_RESOLUTION))
+        return
     if v.type == "Binary":
         # its size in bytes is no dimension: it is given with each value
         element.set("mimeType", v.mime_type)

@@ -17,7 +17,8 @@ OPTIONAL = (
     "terminal",
 )
 KINDS = ("co-simulation", "model-exchange")
-TYPES = ("Float64", "Float32", "Int32", "UInt64", "Boolean", "Enumeration", "Binary")
+TYPES = ("Float64", "Float32", "Int32", "UInt64", "Boolean", "Enumeration", "Binary", "Clock")
+INTERVALS = ("triggered", "countdown")
 VARIABILITIES = ("constant", "fixed", "tunable", "discrete", "continuous")
 C_KEYWORDS = frozenset(
     "auto break case char const continue default do double else enum extern float for goto if inline int long real "
@@ -64,6 +65,9 @@ RULES: tuple[tuple[Callable[["Variable"], bool], str], ...] = (
     (lambda v: v.sized and any(v.start or ()), "has a size that can change, and so starts at zero"),
     (lambda v: any(isinstance(n, int) and n < 1 for n in v.size), "has a dimension below 1"),
     (lambda v: v.type == "Binary" and not v.stream, "is Binary, but no stream"),
+    (lambda v: v.type == "Clock" and (v.causality != "input" or bool(v.size)), "is a Clock, but no scalar input"),
+    (lambda v: v.type == "Clock" and v.interval not in INTERVALS, f"is a Clock, of no interval of {INTERVALS}"),
+    (lambda v: v.type != "Clock" and v.interval is not None, "has an interval, but is no Clock"),
     (lambda v: v.stream and v.causality != "local", "is a stream, but not local"),
     (lambda v: v.state and (v.causality != "output" or v.type != "Float64"), "is a state, but no Float64 output"),
     (lambda v: any(isinstance(x, str) for x in _numbers(v)), "has a start or a limit that is no number"),
@@ -95,6 +99,8 @@ def problems(declaration: "Declaration") -> Iterator[str]:
     if declaration.directional_derivatives and declaration.sized:
         yield f"{declaration.sized[0].name} is sized by a structural parameter, which no directional derivative knows"
     for variable in declaration.variables:
+        if variable.type == "Clock" and not declaration.events:
+            yield f"{variable.name} is a Clock, but the unit has no events"
         for used in variable.depends:
             source = names.get(used.rstrip("@"))
             if source is None or not (source.causality == "input" or source.state):

@@ -40,18 +40,22 @@ static SkinMotion motion_of(Lift &lift)
     return skin_motion_of(&skin, arm_skin_bend(&skin), lift.symbols<Real>("widening"), 0.0);
 }
 
-static Vector vertex_of(Lift &lift, int method, bool normals)
+static Vector vertex_of(Lift &lift, int method, bool normals, Holder holder = FOLLOWS_BOTH)
 {
     SkinMotion motion = motion_of(lift);
     Vector point = lift.symbols<Vector>("point"), normal = lift.symbols<Vector>("rest_normal");
     Vector gradient = lift.symbols<Vector>("weight_gradient");
     Vector center = lift.symbols<Vector>("center"), center_rate = lift.symbols<Vector>("center_rate");
     Real weight = lift.symbols<Real>("weight");
+    Vector level = level_line(gradient, normal);
     const Real *rows[VERTEX_ROWS] = {
-        &point.x,    &point.y,    &point.z,  &normal.x, &normal.y, &normal.z,      &weight,        &gradient.x,
-        &gradient.y, &gradient.z, &center.x, &center.y, &center.z, &center_rate.x, &center_rate.y, &center_rate.z};
+        &point.x, &point.y, &point.z,  &normal.x, &normal.y, &normal.z,      &weight,        &level.x,
+        &level.y, &level.z, &center.x, &center.y, &center.z, &center_rate.x, &center_rate.y, &center_rate.z};
+    VertexRun run = {0, 1, holder};
     ArmMesh mesh = {};
     mesh.vertex_count = 1;
+    mesh.run_count = 1;
+    mesh.run = &run;
     std::copy(rows, rows + VERTEX_ROWS, mesh.vertex_row);
     Vector vertex;
     (normals ? each_normal : each_vertex)(method, &motion, false, false, &mesh, &vertex.x);
@@ -88,6 +92,13 @@ static void lift_method(const std::string &name, int method)
     lift_function(name + "_ring_normal", [=](Lift &lift) { return ring_of(lift, method, true); });
 }
 
+static void lift_holder(const std::string &name, Holder holder)
+{
+    const int method = ARM_SKIN_METHOD_LINEAR_BLEND;
+    lift_function(name + "_vertex", [=](Lift &lift) { return vertex_of(lift, method, false, holder); });
+    lift_function(name + "_normal", [=](Lift &lift) { return vertex_of(lift, method, true, holder); });
+}
+
 static void lift_functions()
 {
     lift_function("bend_rotation", [](Lift &lift) { return bend_of(lift).rotation; });
@@ -97,4 +108,6 @@ static void lift_functions()
     lift_method("dual_quaternion", ARM_SKIN_METHOD_DUAL_QUATERNION);
     lift_method("center_of_rotation", ARM_SKIN_METHOD_CENTER_OF_ROTATION);
     lift_method("compensated", ARM_SKIN_METHOD_COMPENSATED);
+    lift_holder("upper_arm", FOLLOWS_UPPER_ARM);
+    lift_holder("forearm", FOLLOWS_FOREARM);
 }
