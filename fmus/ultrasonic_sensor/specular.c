@@ -24,7 +24,8 @@ static Echo echo_of_path(const UltrasonicSensor *sensor, const Transceiver *pair
     double level = path_level(pair, *path, mirror, reflection, sensor->wave_number, sensor->absorption);
     double there = beam_argument(path->incident, pair->axis, sensor->wave_number);
     double back = beam_argument(path->reflected, pair->receiver_axis, sensor->wave_number);
-    return (Echo){path->time, level, 0.0, there, back, doppler_of(pair, *path, velocity, sensor->speed_of_sound)};
+    double doppler = doppler_of(pair, *path, velocity, sensor->speed_of_sound);
+    return (Echo){.time = path->time, .level = level, .there = there, .back = back, .doppler = doppler};
 }
 
 static Echo specular_plane(const UltrasonicSensor *sensor, const Surroundings *around, const Transceiver *pair)

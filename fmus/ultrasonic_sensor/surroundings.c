@@ -9,12 +9,13 @@ typedef struct Echo {
     double phase; /* of the carrier at the arrival */
     double there, back; /* (x / 2)^2 of the beam on both ways */
     double doppler;     /* by how many parts it comes faster than the burst left */
+    bool foreign;       /* of another sensor's burst */
 } Echo;
 
 static const Vector at_rest = {0.0, 0.0, 0.0};
 static const Echo silence = {.time = INFINITY, .level = NO_ECHO_LEVEL};
 
-enum { MOST_ECHOES = 96, MOST_LATE = 8 }; /* those of one ping; those that outlive it */
+enum { MOST_ECHOES = 96, MOST_LATE = 8, LATE_NUMBERS = 6 }; /* those of one ping; those that outlive it */
 
 typedef struct Echoes {
     Echo echo[MOST_ECHOES];
