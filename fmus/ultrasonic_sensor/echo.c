@@ -72,15 +72,58 @@ static int those_in_time(const UltrasonicSensor *sensor, Echoes *echoes)
     return place;
 }
 
+#define CLOSE_ECHOES 0.02 /* m, one way */
+
+/* Whether two echoes come so close together that their places on the mesh matter. */
+static bool close_together(const UltrasonicSensor *sensor, const Echoes *echoes)
+{
+    for (int i = 0; i < echoes->count; i++) {
+        for (int j = 0; j < i; j++) {
+            double apart = echoes->echo[i].time - echoes->echo[j].time;
+            if (fabs(apart) * sensor->speed_of_sound <= 2.0 * CLOSE_ECHOES) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/* Whether the mesh is to be heard, in place of the capsules. */
+static bool hears_mesh(const UltrasonicSensor *sensor, const Echoes *echoes, Mesh *mesh)
+{
+    if (sensor->fidelity < ULTRASONIC_SENSOR_FIDELITY_SURFACE || !mesh_of(sensor, mesh)) {
+        return false;
+    }
+    bool capsules = sensor->capsule_1_radius > 0.0 || sensor->capsule_2_radius > 0.0;
+    return sensor->fidelity == ULTRASONIC_SENSOR_FIDELITY_SURFACE || !capsules || close_together(sensor, echoes);
+}
+
+/* The same surroundings without the capsules: of the targets, the sphere is the first. */
+static Surroundings without_capsules(const UltrasonicSensor *sensor, const Surroundings *around)
+{
+    Surroundings rest = *around;
+    rest.targets = sensor->sphere_radius > 0.0 ? 1 : 0;
+    return rest;
+}
+
 static Detection hear_echoes(UltrasonicSensor *sensor, const Surroundings *around, double emission)
 {
     Echoes echoes;
+    Mesh mesh;
     echoes.count = 0;
     specular_echoes(sensor, around, &echoes);
+    bool meshed = hears_mesh(sensor, &echoes, &mesh);
+    if (meshed) {
+        Surroundings rest = without_capsules(sensor, around);
+        echoes.count = 0;
+        specular_echoes(sensor, &rest, &echoes);
+    }
     add_coupling(sensor, &around->pair, &echoes);
     add_late(sensor, emission, &echoes);
     add_foreign(sensor, emission, &echoes);
-    Detection found = detect(sensor, echoes.echo, those_in_time(sensor, &echoes));
+    int count = those_in_time(sensor, &echoes);
+    Detection found = meshed ? detect_with_mesh(sensor, around, &mesh, echoes.echo, count)
+                             : detect(sensor, echoes.echo, count);
     keep_left(sensor, &echoes, emission, lesser(found.crossing, sensor->farthest_time));
     return found;
 }
@@ -88,6 +131,6 @@ static Detection hear_echoes(UltrasonicSensor *sensor, const Surroundings *aroun
 static Detection first_echo(UltrasonicSensor *sensor, double emission)
 {
     Surroundings around = surroundings_at(sensor, emission);
-    bool specular = sensor->fidelity == ULTRASONIC_SENSOR_FIDELITY_SPECULAR;
-    return specular ? hear_echoes(sensor, &around, emission) : hear_ray(sensor, &around);
+    bool rays = sensor->fidelity < ULTRASONIC_SENSOR_FIDELITY_SPECULAR;
+    return rays ? hear_ray(sensor, &around) : hear_echoes(sensor, &around, emission);
 }

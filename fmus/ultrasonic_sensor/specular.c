@@ -261,13 +261,13 @@ static void add_echoes_of_targets(const UltrasonicSensor *sensor, const Surround
     }
 }
 
-/* One bounce at the ground, on the way to a target or from it: image transmitter, image receiver. */
-static void add_multipath(const UltrasonicSensor *sensor, const Surroundings *around, Echoes *echoes)
+/* One bounce at the ground, on the way to a target or from it: image transmitter, image receiver. Returns how many
+ * pairs there are, two or none. */
+static int mirrored_pairs(const UltrasonicSensor *sensor, const Surroundings *around, Transceiver pairs[2])
 {
     if (!(around->plane && sensor->multipath && sensor->plane_reflection > 0.0)) {
-        return;
+        return 0;
     }
-    double bounce_level = DECIBEL_PER_NEPER * log(sensor->plane_reflection);
     Transceiver there = around->pair, back = around->pair;
     there.transmitter = mirrored(around, there.transmitter);
     there.axis = turned_over(around, there.axis);
@@ -275,8 +275,18 @@ static void add_multipath(const UltrasonicSensor *sensor, const Surroundings *ar
     back.receiver = mirrored(around, back.receiver);
     back.receiver_axis = turned_over(around, back.receiver_axis);
     back.velocity = turned_over(around, back.velocity);
-    add_echoes_of_targets(sensor, around, &there, bounce_level, echoes);
-    add_echoes_of_targets(sensor, around, &back, bounce_level, echoes);
+    pairs[0] = there;
+    pairs[1] = back;
+    return 2;
+}
+
+static void add_multipath(const UltrasonicSensor *sensor, const Surroundings *around, Echoes *echoes)
+{
+    Transceiver pairs[2];
+    int count = mirrored_pairs(sensor, around, pairs);
+    for (int i = 0; i < count; i++) {
+        add_echoes_of_targets(sensor, around, &pairs[i], DECIBEL_PER_NEPER * log(sensor->plane_reflection), echoes);
+    }
 }
 
 static void specular_echoes(const UltrasonicSensor *sensor, const Surroundings *around, Echoes *echoes)

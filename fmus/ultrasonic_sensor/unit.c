@@ -3,6 +3,7 @@
 #include "surroundings.c"
 
 #include <inttypes.h>
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -13,29 +14,15 @@
 #include "doppler.c"
 #include "envelope.c"
 #include "sum.c"
+#include "surface.c"
+#include "mesh.c"
+#include "mesh_checks.c"
+#include "bins.c"
 #include "foreign.c"
 #include "echo.c"
 
 #define DEVICE_SPEED (0.01 / 58e-6) /* m/s of echo width: the sheet's 58 us a centimetre */
 #define SHORTEST_PERIOD 0.001 /* s; the air is not silent sooner, and each ping costs an event */
-
-/* One sign tells of all indices whether one is below 0 or above the last vertex: this runs after every change. */
-static Status check_triangles(const UltrasonicSensor *sensor, Log *log)
-{
-    const int32_t *vertices = ultrasonic_sensor_surface_triangles(sensor);
-    size_t count = 6 * (size_t)sensor->surface_vertex_count;
-    uint32_t last = (uint32_t)sensor->surface_vertex_count - 1, outside = 0;
-    for (size_t k = 0; k < count; k++) {
-        outside |= (last - (uint32_t)vertices[k]) | (uint32_t)vertices[k];
-    }
-    for (size_t k = 0; outside >> 31 && k < count; k++) {
-        if (vertices[k] < 0 || (uint32_t)vertices[k] > last) {
-            return report(log, STATUS_ERROR, "surface_triangles[%zu] = %" PRId32 "; allowed range: 0 to "
-                          "surface_vertex_count - 1 (%" PRIu32 ")", k + 1, vertices[k], last);
-        }
-    }
-    return STATUS_OK;
-}
 
 static Status ultrasonic_sensor_check(const UltrasonicSensor *sensor, Log *log)
 {
@@ -59,7 +46,7 @@ static Status ultrasonic_sensor_check(const UltrasonicSensor *sensor, Log *log)
                       "velocity = %g m/s, sphere_velocity = %g m/s in length; allowed range: below the speed of sound "
                       "(%g m/s)", norm(sensor->velocity), norm(sensor->sphere_velocity), sound);
     }
-    return check_triangles(sensor, log);
+    return check_surface(sensor, log);
 }
 
 /* An input belongs to the time at which it took its value; from there it moves with its velocity. */

@@ -223,7 +223,9 @@ def test_the_interval_is_told_once_and_then_repeated(sensor):
     sensor.doStep(finish / 2, finish - finish / 2)
     sensor.enterEventMode()
     tick(sensor, "echo_clock")
+    assert is_active(sensor, "echo_clock")
     sensor.updateDiscreteStates()
+    assert not is_active(sensor, "echo_clock")
     assert interval(sensor)[1] == NOT_YET_KNOWN
     assert sensor.get("sequence") == 1
     assert interval(sensor)[1] == NOT_YET_KNOWN
