@@ -56,13 +56,18 @@ static double square_after(const Sum *sum, double later)
     return square_of(whole);
 }
 
-static double square_now(const Sum *sum)
+static Phasor sum_now(const Sum *sum)
 {
     Phasor whole = phasor_sum(sum->constant, -1.0, sum->value);
     for (int i = 0; i < sum->modes; i++) {
         whole = phasor_sum(phasor_sum(whole, 1.0, sum->mode[i].steady), 1.0, sum->mode[i].fading);
     }
-    return square_of(whole);
+    return whole;
+}
+
+static double square_now(const Sum *sum)
+{
+    return square_of(sum_now(sum));
 }
 
 static void advance_sum(Sum *sum, double later, double decay)

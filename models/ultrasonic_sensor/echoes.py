@@ -59,8 +59,9 @@ def rigid_sphere(device: Device, center: Array, radius: float, coarse: int = 20)
 
 def kirchhoff(device: Device, points: Array, normals: Array, areas: Array, coarse: int = 40) -> Complex:
     """Spectrum of surface elements [m, 3], [m, 3], [m] m2 that both ends see: i k/(4 pi) of the integral of
-    (n.d1 + n.d2) p1 p2, d from the surface to the ends. Frequencies are taken every `coarse` lines and joined by
-    a spline, with the phase of the mean length taken out.
+    (n.d1 + n.d2) p1 p2, d from the surface to the ends. Frequencies are taken every `coarse` lines, or as many as give
+    six to a turn of the longest and the shortest path, and joined by a spline, with the phase of the path in the middle
+    taken out.
     """
     legs = [ear - points for ear in device.ears]
     reaches = [np.linalg.norm(leg, axis=1) for leg in legs]
@@ -73,8 +74,9 @@ def kirchhoff(device: Device, points: Array, normals: Array, areas: Array, coars
     length = (reaches[0] + reaches[1])[lit]
     weight = weight * device.loss(length)
     sines = [np.sqrt(np.clip(1 - d[lit, 0] ** 2, 0, None)) for d in towards]
+    reference, spread = (length.max() + length.min()) / 2, (length.max() - length.min()) / 2
+    coarse = max(1, min(coarse, int(device.window * device.speed / (6 * max(spread, 1e-6)))))
     places = np.unique(np.append(np.arange(0, device.offsets.size, coarse), device.offsets.size - 1))
-    reference = length.min()
     values = np.empty(places.size, complex)
     for i, place in enumerate(places):
         k = device.wave_numbers[place]

@@ -2,7 +2,10 @@
 
 from ulna.checks.textbook import load_model
 
-hearing, echoes, surfaces = (load_model(f"ultrasonic_sensor.{part}") for part in ("hearing", "echoes", "surfaces"))
+PARTS = ("hearing", "echoes", "surfaces", "meshes")
+hearing, echoes, surfaces, meshes = (load_model(f"ultrasonic_sensor.{part}") for part in PARTS)
 Agreement, Device = hearing.Agreement, hearing.Device
 image_source, rigid_sphere, kirchhoff = echoes.image_source, echoes.rigid_sphere, echoes.kirchhoff
 box_surface, capsule_surface = surfaces.box_surface, surfaces.capsule_surface
+rectangle_surface = surfaces.rectangle_surface
+Mesh, capsule_mesh, plate_mesh = meshes.Mesh, meshes.capsule_mesh, meshes.plate_mesh
