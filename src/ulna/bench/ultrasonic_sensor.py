@@ -173,8 +173,8 @@ def meshes(rounds: int) -> Table:
         rows.append((f"{vertices} vertices", lit, ping * 1e6, ping / lit * 1e9, ray * 1e9))
     return Table(
         "UltrasonicSensor: surface",
-        f"One doStep of {SKIN_PINGS} pings at ArmSkin's mesh, {REACH:g} m away; in the same run, rays of MuJoCo along the "
-        "axis at the same mesh.",
+        f"One doStep of {SKIN_PINGS} pings at ArmSkin's mesh, {REACH:g} m away; in the same run rays of MuJoCo "
+        "along the axis at the same mesh.",
         ("mesh", "lit triangles", "us a ping", "ns a lit triangle", "ns a ray"),
         rows,
     )
