@@ -49,13 +49,8 @@ def numbers(document: dict, data: bytearray, name: str, kind: type = np.float32)
 
 
 def exported_arm(folder: Path) -> Path:
-    """The default arm at rest, as `ulna run` exports it, but for the first joint: from the elbow to the shoulder."""
+    """The default arm at rest, as `ulna run` exports it: one joint at the shoulder, one at the elbow."""
     with Scene("arm") as scene:
         scene.add("ArmSkin", "arm", method="linear_blend", twist_share=0.0)
         write_glb(folder / "arm.glb", scene.run(0.1, 0.05), scene)
-
-    def to_shoulder(document, data):
-        document["nodes"][document["skins"][0]["joints"][0]]["translation"] = [0.0, 0.0, 0.0]
-        numbers(document, data, "inverseBindMatrices")[:16] = np.eye(4).ravel()
-
-    return rewritten(folder / "arm.glb", folder / "shoulder.glb", to_shoulder)
+    return folder / "arm.glb"

@@ -85,6 +85,7 @@ static Status instance_refuse(Instance *instance, const char *call, const char *
 
 /* resources.c */
 static char *resource_folder(const char *location);
+static bool resource_is_there(const char *folder, const char *name);
 
 /* access.c */
 static const Variable *instance_find(Instance *instance, const char *call, uint32_t reference, bool whole);

@@ -135,9 +135,21 @@ static Status instance_to_start(Instance *instance)
     return status;
 }
 
+/* A token is the unit's own, followed by "+" and a name where the FMU needs a file of that name among its resources.
+ * Returns the name, "" where there is none, or NULL for another unit's token. */
+static const char *needed_resource(const char *token)
+{
+    size_t size = strlen(unit.token);
+    if (!token || strncmp(token, unit.token, size) != 0) {
+        return NULL;
+    }
+    return !token[size] ? "" : token[size] == '+' && unit.start_from ? token + size + 1 : NULL;
+}
+
 static Instance *instance_create(Kind kind, const char *name, const char *token, const char *resources, Log log)
 {
-    if (!token || strcmp(token, unit.token) != 0) {
+    const char *needed = needed_resource(token);
+    if (!needed) {
         report(&log, STATUS_ERROR, "%s: the instantiation token %s is not this unit's %s", unit.name,
                token ? token : "(none)", unit.token);
         return NULL;
@@ -164,6 +176,13 @@ static Instance *instance_create(Kind kind, const char *name, const char *token,
         return NULL;
     }
     memcpy(instance->log.instance_name, name, strlen(name) + 1);
+    if (*needed && !resource_is_there(instance->resources, needed)) {
+        report(&instance->log, STATUS_ERROR,
+               "%s: this FMU needs %s among its resources, which is not in the folder '%s' that the importer gave; allowed: "
+               "the FMU's folder resources", unit.name, needed, instance->resources);
+        instance_free(instance);
+        return NULL;
+    }
     if (instance_to_start(instance) != STATUS_OK) {
         instance_free(instance);
         return NULL;

@@ -1,6 +1,7 @@
 /* The folder of an FMU's resources: FMI 2 gives a URI, FMI 3 a path, with or without a separator at its end. */
 #include "instance.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -53,4 +54,15 @@ static char *resource_folder(const char *location)
         }
     }
     return folder;
+}
+
+static bool resource_is_there(const char *folder, const char *name)
+{
+    char path[4096];
+    int length = snprintf(path, sizeof path, "%s%s", folder, name);
+    FILE *file = *folder && length > 0 && (size_t)length < sizeof path ? fopen(path, "rb") : NULL;
+    if (file) {
+        fclose(file);
+    }
+    return file != NULL;
 }

@@ -58,7 +58,7 @@ static Status report(Log *log, Status status, const char *format, ...)
 
 typedef struct Unit {
     const char *name;               /* model identifier */
-    const char *token;              /* instantiation token */
+    const char *token;              /* instantiation token; "+" and a file's name may follow: see life_cycle.c */
     const Variable *variables;
     size_t variable_count;
     const uint16_t *variable_of;    /* value reference -> index of its variable */

@@ -26,6 +26,7 @@ from .skin_frame import LENGTHS, lengths, placed, rest_frame, whole_normals, wit
 from .skin_mesh import MOST_JOINTS, SkinMesh, weight_gradients, write_mesh
 from .slave import Slave, UnitError
 
+MESH_FILE = "mesh.bin"
 # Upper arm, forearm: names in small letters, without marks and the rig's own prefix.
 PREFIX = re.compile(r"^(mixamorig\d*|jbip|bip\d*|def)")
 COMMON = (
@@ -160,8 +161,8 @@ def write_skin_fmu(out: str | PathLike, mesh: SkinMesh, stock: Path) -> None:
     with zipfile.ZipFile(stock) as archive:
         files = {name: archive.read(name) for name in archive.namelist() if not name.endswith("/")}
     with TemporaryDirectory() as folder:
-        write_mesh(Path(folder) / "mesh.bin", mesh)
-        files["resources/mesh.bin"] = (Path(folder) / "mesh.bin").read_bytes()
+        write_mesh(Path(folder) / MESH_FILE, mesh)
+        files[f"resources/{MESH_FILE}"] = (Path(folder) / MESH_FILE).read_bytes()
         files["modelDescription.xml"] = _with_starts(files["modelDescription.xml"], mesh)
         trial = Path(folder) / "trial.fmu"
         write_fmu(trial, files)
@@ -194,8 +195,10 @@ def _joint(rig: Rig, name: str) -> int:
 
 
 def _with_starts(description: bytes, mesh: SkinMesh) -> bytes:
-    """modelDescription.xml with the start values that the unit takes from the mesh."""
+    """modelDescription.xml with the start values of the mesh, and the token of an FMU that is nothing without it."""
     root = ET.fromstring(description)
+    token = "instantiationToken" if "instantiationToken" in root.attrib else "guid"
+    root.set(token, f"{root.get(token)}+{MESH_FILE}")
     starts = {name: repr(float(getattr(mesh, name))) for name in LENGTHS}
     elbow = starts["upper_arm_length"]
     starts |= {"vertex_count": str(len(mesh.vertices)), "forearm_position": f"{elbow} 0.0 0.0"}

@@ -1,14 +1,9 @@
 """A mesh among ArmSkin's resources: the procedural arm, written to the flat file, is the procedural arm."""
 
-import os
-import re
 import struct
-import subprocess
-import sys
 import zipfile
 from dataclasses import replace
 from pathlib import Path
-from urllib.parse import quote
 
 import numpy as np
 import pytest
@@ -248,53 +243,3 @@ def test_fmi_2_takes_the_mesh_too(imported: Path, tmp_path: Path) -> None:
             skin.initialize()
             pose(skin, **GENERAL)
         assert [two.get(name) for name in MEASURES] == [three.get(name) for name in MEASURES]
-
-
-LOCATIONS = {
-    "path": lambda p: p,
-    "path with separator": lambda p: p + "/",
-    "URI": lambda p: "file://" + quote(p),
-    "URI with separator": lambda p: "file://" + quote(p) + "/",
-    "short URI": lambda p: "file:" + quote(p),
-    "URI of a host": lambda p: "file://localhost" + quote(p),
-}
-
-
-@pytest.mark.parametrize("location", LOCATIONS)
-def test_every_way_to_name_the_folder(imported: Path, tmp_path: Path, location: str) -> None:
-    """FMI 3 asks for a path, importers give what they like."""
-    folder = tmp_path / "a b%"
-    with zipfile.ZipFile(imported) as archive:
-        archive.extractall(folder)
-        description = archive.read("modelDescription.xml").decode()
-    token = re.search(r'instantiationToken="([^"]+)"', description)[1]
-    script = (
-        "import ctypes, sys\n"
-        "library = ctypes.CDLL(sys.argv[1])\n"
-        "make = library.fmi3InstantiateCoSimulation\n"
-        "make.restype = ctypes.c_void_p\n"
-        "none = ctypes.c_void_p()\n"
-        "text = ctypes.c_char_p\n"
-        "log = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int, text, text)(lambda *a: print(a))\n"
-        "f = ctypes.c_bool(False)\n"
-        "place = sys.argv[3].encode() or None\n"
-        "skin = make(b'x', sys.argv[2].encode(), place, f, f, f, f, none, ctypes.c_size_t(0), none, log, none)\n"
-        "count = ctypes.c_double()\n"
-        "reference = ctypes.c_uint32(int(sys.argv[4]))\n"
-        "skin = ctypes.c_void_p(skin)\n"
-        "one = ctypes.c_size_t(1)\n"
-        "library.fmi3GetFloat64(skin, ctypes.byref(reference), one, ctypes.byref(count), one)\n"
-        "print(count.value)\n"
-    )
-    library = next((folder / "binaries").glob("*/ArmSkin.*"))
-    # a mesh made for another radius, so that it can be told from the unit's own
-    content = bytearray((folder / "resources" / "mesh.bin").read_bytes())
-    content[40:48] = struct.pack("<d", 0.0625)
-    (folder / "resources" / "mesh.bin").write_bytes(bytes(content))
-    with Slave(imported) as skin:
-        reference = skin.variable("radius").references[0]
-    place = LOCATIONS[location](os.fspath(folder / "resources"))
-    command = [sys.executable, "-c", script, os.fspath(library), token, place, str(reference)]
-    assert subprocess.check_output(command, text=True).strip() == "0.0625"
-    command[-2] = ""
-    assert subprocess.check_output(command, text=True).strip() == "0.04"

@@ -48,11 +48,11 @@ class Found(NamedTuple):
         return list(dict.fromkeys(row.name for row in self.costs))
 
     def accuracy(self, name: str, truth: str) -> Accuracy | None:
-        """None where it was not measured."""
+        """None where it cannot be: no mesh is endless."""
         return next((row for row in self.accuracies if (row.name, row.truth) == (name, truth)), None)
 
     def cost(self, name: str, truth: str) -> float | None:
-        """ns of a ping."""
+        """ns of a ping; None where there is no accuracy."""
         return next((1e9 * row.seconds for row in self.costs if (row.name, row.truth) == (name, truth)), None)
 
 
@@ -112,13 +112,11 @@ def _table(ax: Axes, found: Found) -> None:
 def cells(found: Found, name: str) -> Iterator[Cell]:
     """Of a row: time of a ping over all targets, then for each truth range error and detection."""
     costs = [cost for cost in (found.cost(name, truth) for truth in TRUTHS) if cost is not None]
-    yield Cell(
-        f"{min(costs):.0f} to {max(costs):.0f}" if max(costs) < 1e4 else f"{min(costs):.1g} to {max(costs):.1g}", None
-    )
+    yield Cell(f"{_short(min(costs))} to {_short(max(costs))}", None)
     for truth in TRUTHS:
         row = found.accuracy(name, truth)
         if row is None:
-            yield from [Cell("none", None)] * 2
+            yield from [Cell("endless", None), Cell("", None)]
             continue
         half, most = (1e3 * percentile(row.errors, share) for share in (50, 95))
         yield Cell(f"{_short(half)} / {_short(most)}", GOOD if most <= 1.0 else FAIR if most <= 5.0 else BAD)
@@ -128,7 +126,7 @@ def cells(found: Found, name: str) -> Iterator[Cell]:
 
 
 def _short(value: float) -> str:
-    return f"{value:.3g}" if value < 1000.0 else f"{value:.0f}"
+    return f"{value:.3g}" if value < 1e3 else f"{value:.0f}" if value < 1e4 else f"{1e-3 * value:.0f}k"
 
 
 def _cost(ax: Axes, found: Found, truth: str, first: bool) -> None:
