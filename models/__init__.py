@@ -19,6 +19,7 @@ column:
   column `x` are the symbols `x_0`, `x_1`, ...
 
 `jointed_arm` is no unit but what coupled units are judged by: chains of bodies on hinges and ball joints.
+`ultrasonic_sensor.hearing`, `.echoes` and `.surfaces` are wave theory in NumPy and SciPy: what echoes are judged by.
 
 Functions of a unit that compute no variable of its own (the paths of the sensor, a point of the skin) have their
 results by `FUNCTION.RESULT`, or `FUNCTION` if there is one.

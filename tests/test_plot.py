@@ -6,6 +6,7 @@ from matplotlib.image import imread
 
 from ulna import Scene, gallery
 from ulna.plot import MOST_PANELS, filmstrip, panels, plot
+from ulna.targets import true_distance
 
 
 @pytest.fixture(scope="module")
@@ -96,3 +97,31 @@ def test_filmstrip_hides_the_far_side_of_a_box(tmp_path):
     red, _, blue = np.moveaxis(imread(tmp_path / "picture.png")[..., :3], -1, 0)
     assert np.count_nonzero(red > blue + 0.3) > 1000
     assert np.count_nonzero(blue > red + 0.2) == 0
+
+
+def test_sensors_on_one_hand_share_a_wide_panel(tmp_path):
+    example = gallery.load("range")
+    with example.build() as scene:
+        results = scene.run(1.0, 0.005, master=example.master)
+        first, *rest = panels(results, scene)
+        plot(results, tmp_path / "plot.png", scene)
+    assert first.wide and not any(panel.wide for panel in rest)
+    curves = dict(first.curves)
+    assert list(curves)[:4] == ["true", "ray", "cone", "specular"]
+    names, hand = example.build.__globals__, results["forearm.tip_position"]
+    wall, ball = names["WALL"] - hand[:, 0], np.linalg.norm(names["BALL"] - hand, axis=1) - names["BALL_RADIUS"]
+    np.testing.assert_allclose(curves["true"], np.minimum(wall, ball), rtol=1e-12)
+    assert imread(tmp_path / "plot.png").std() > 0.01
+
+
+def test_true_distance_is_that_of_the_nearest_surface():
+    """Of a box askew and a capsule, from their closed forms; and none before nothing."""
+    turn = [np.cos(np.pi / 8), 0.0, 0.0, np.sin(np.pi / 8)]
+    box = {"box_center": [1.0, 0.0, 0.0], "box_size": [0.2, 0.2, 0.2], "box_orientation": turn}
+    rod = {"capsule_1_start": [2.0, 0.5, 0.0], "capsule_1_end": [2.0, 1.5, 0.0], "capsule_1_radius": 0.1}
+    with Scene("three") as scene:
+        for name, targets in (("boxed", box), ("barred", rod), ("free", {})):
+            scene.add("UltrasonicSensor", name, **targets)
+        results = scene.run(0.1, 0.1)
+        found = [true_distance(results, scene, scene[name])[0] for name in ("boxed", "barred", "free")]
+    np.testing.assert_allclose(found, [1.0 - 0.1 * np.sqrt(2.0), np.hypot(2.0, 0.5) - 0.1, np.nan], rtol=1e-12)

@@ -1,7 +1,6 @@
 /* UltrasonicSensor: what a ping hears, on each step of the ladder of fidelity. */
 
-/* One from the blind zone, or from beyond the range, does not count. A plane between transmitter and
- * receiver gives c t < b, which is in the blind zone. */
+/* A ray knows no ringing: one from the blind zone, or from beyond the range, does not count. */
 static bool counts(const UltrasonicSensor *sensor, Echo echo)
 {
     return echo.time >= sensor->nearest_time && echo.time <= sensor->farthest_time;
@@ -18,34 +17,54 @@ static Detection hear_ray(const UltrasonicSensor *sensor, const Surroundings *ar
 static void add_late(const UltrasonicSensor *sensor, double emission, Echoes *echoes)
 {
     for (int i = 0; i < sensor->late_count; i++) {
-        if (sensor->late_time[i] > emission) {
-            double time = sensor->late_time[i] - emission;
-            add_echo(echoes, (Echo){time, sensor->late_level[i], sensor->late_phase[i], 0.0, 0.0});
-        }
+        const double *late = &sensor->late[LATE_NUMBERS * i];
+        add_echo(echoes, (Echo){late[0] - emission, late[1], late[2], late[3], late[4], late[5], false});
     }
 }
 
 /* What this ping leaves; the phase of its carrier is that at the arrival, whoever hears it. */
-static void keep_late(UltrasonicSensor *sensor, const Echoes *echoes, double emission, double end)
+static void keep_left(UltrasonicSensor *sensor, const Echoes *echoes, double emission, double end)
 {
-    sensor->late_count = 0;
-    for (int i = 0; i < echoes->count && sensor->late_count < MOST_LATE; i++) {
-        if (echoes->echo[i].time > end) {
-            sensor->late_time[sensor->late_count] = emission + echoes->echo[i].time;
-            sensor->late_level[sensor->late_count] = echoes->echo[i].level;
-            sensor->late_phase[sensor->late_count] = echoes->echo[i].phase;
-            sensor->late_count++;
+    sensor->left_count = 0;
+    for (int i = 0; i < echoes->count && sensor->left_count < MOST_LATE; i++) {
+        Echo echo = echoes->echo[i];
+        if (echo.time > end && !echo.foreign) {
+            const double numbers[LATE_NUMBERS] = {emission + echo.time, echo.level, echo.phase,
+                                                  echo.there,           echo.back,  echo.doppler};
+            memcpy(&sensor->left[LATE_NUMBERS * sensor->left_count++], numbers, sizeof numbers);
         }
     }
 }
 
-/* Puts those that count first; returns how many. */
-static int those_that_count(const UltrasonicSensor *sensor, Echoes *echoes)
+/* When a burst leaves, what the last ping left and has not arrived yet is late. */
+static void take_left(UltrasonicSensor *sensor, double emission)
+{
+    sensor->late_count = 0;
+    for (int i = 0; i < sensor->left_count; i++) {
+        const double *left = &sensor->left[LATE_NUMBERS * i];
+        if (left[0] > emission) {
+            memcpy(&sensor->late[LATE_NUMBERS * sensor->late_count++], left, LATE_NUMBERS * sizeof *left);
+        }
+    }
+}
+
+/* What the receiver hears of its own transmitter: straight along the baseline. */
+static void add_coupling(const UltrasonicSensor *sensor, const Transceiver *pair, Echoes *echoes)
+{
+    if (sensor->coupling > NO_ECHO_LEVEL) {
+        Vector offset = subtract(pair->receiver, pair->transmitter);
+        double time = arrival_time(offset, pair->velocity, sensor->speed_of_sound);
+        add_echo(echoes, (Echo){.time = time, .level = sensor->coupling});
+    }
+}
+
+/* Puts those that arrive in time first; returns how many. */
+static int those_in_time(const UltrasonicSensor *sensor, Echoes *echoes)
 {
     int place = 0;
     for (int i = 0; i < echoes->count; i++) {
         Echo echo = echoes->echo[i];
-        if (counts(sensor, echo)) {
+        if (echo.time <= sensor->farthest_time) {
             echoes->echo[i] = echoes->echo[place];
             echoes->echo[place++] = echo;
         }
@@ -53,20 +72,65 @@ static int those_that_count(const UltrasonicSensor *sensor, Echoes *echoes)
     return place;
 }
 
+#define CLOSE_ECHOES 0.02 /* m, one way */
+
+/* Whether two echoes come so close together that their places on the mesh matter. */
+static bool close_together(const UltrasonicSensor *sensor, const Echoes *echoes)
+{
+    for (int i = 0; i < echoes->count; i++) {
+        for (int j = 0; j < i; j++) {
+            double apart = echoes->echo[i].time - echoes->echo[j].time;
+            if (fabs(apart) * sensor->speed_of_sound <= 2.0 * CLOSE_ECHOES) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/* Whether the mesh is to be heard, in place of the capsules. */
+static bool hears_mesh(const UltrasonicSensor *sensor, const Echoes *echoes, Mesh *mesh)
+{
+    if (sensor->fidelity < ULTRASONIC_SENSOR_FIDELITY_SURFACE || !mesh_of(sensor, mesh)) {
+        return false;
+    }
+    bool capsules = sensor->capsule_1_radius > 0.0 || sensor->capsule_2_radius > 0.0;
+    return sensor->fidelity == ULTRASONIC_SENSOR_FIDELITY_SURFACE || !capsules || close_together(sensor, echoes);
+}
+
+/* The same surroundings without the capsules: of the targets, the sphere is the first. */
+static Surroundings without_capsules(const UltrasonicSensor *sensor, const Surroundings *around)
+{
+    Surroundings rest = *around;
+    rest.targets = sensor->sphere_radius > 0.0 ? 1 : 0;
+    return rest;
+}
+
 static Detection hear_echoes(UltrasonicSensor *sensor, const Surroundings *around, double emission)
 {
     Echoes echoes;
+    Mesh mesh;
     echoes.count = 0;
     specular_echoes(sensor, around, &echoes);
+    bool meshed = hears_mesh(sensor, &echoes, &mesh);
+    if (meshed) {
+        Surroundings rest = without_capsules(sensor, around);
+        echoes.count = 0;
+        specular_echoes(sensor, &rest, &echoes);
+    }
+    add_coupling(sensor, &around->pair, &echoes);
     add_late(sensor, emission, &echoes);
-    Detection found = detect(sensor, echoes.echo, those_that_count(sensor, &echoes));
-    keep_late(sensor, &echoes, emission, lesser(found.crossing, sensor->farthest_time));
+    add_foreign(sensor, emission, &echoes);
+    int count = those_in_time(sensor, &echoes);
+    Detection found = meshed ? detect_with_mesh(sensor, around, &mesh, echoes.echo, count)
+                             : detect(sensor, echoes.echo, count);
+    keep_left(sensor, &echoes, emission, lesser(found.crossing, sensor->farthest_time));
     return found;
 }
 
 static Detection first_echo(UltrasonicSensor *sensor, double emission)
 {
     Surroundings around = surroundings_at(sensor, emission);
-    bool specular = sensor->fidelity == ULTRASONIC_SENSOR_FIDELITY_SPECULAR;
-    return specular ? hear_echoes(sensor, &around, emission) : hear_ray(sensor, &around);
+    bool rays = sensor->fidelity < ULTRASONIC_SENSOR_FIDELITY_SPECULAR;
+    return rays ? hear_ray(sensor, &around) : hear_echoes(sensor, &around, emission);
 }

@@ -18,7 +18,8 @@ typedef struct Transceiver {
     Vector transmitter, receiver;
     Vector axis;          /* unit, where the transmitter looks */
     Vector receiver_axis; /* unit, where the receiver looks: elsewhere where it is an image */
-    Vector velocity;
+    Vector velocity;      /* of the receiver */
+    Vector transmitter_velocity;
 } Transceiver;
 
 /* Transmitter, target, receiver. */
@@ -134,6 +135,16 @@ static inline Path ball_path_refined(const Transceiver *pair, Path path, Ball ba
     real slope = dot(stretch, shift) / (whole * whole);
     next.share = path.share + (fixed_point - path.share) / (1.0 - slope);
     return next;
+}
+
+/* By how many parts an echo comes faster than the burst left, Doppler: from the two legs,
+ *     dt_emission / dt_reception = (c - d1.u) / (c - d1.v1) (c - d2.v2) / (c - d2.u)
+ * with u of the target, v1 of the transmitter, v2 of the receiver. */
+static inline real doppler_of(const Transceiver *pair, Path path, Vector velocity, real speed)
+{
+    real met = (speed - dot(path.incident, velocity)) * (speed - dot(path.reflected, pair->velocity));
+    real sent = (speed - dot(path.incident, pair->transmitter_velocity)) * (speed - dot(path.reflected, velocity));
+    return (met - sent) / sent;
 }
 
 static inline Curvature plane_curvature(void)

@@ -10,33 +10,29 @@ typedef struct End {
     double length;      /* of the path by the end */
 } End;
 
-/* The loudness of a path, or silence where the sensor cannot hear it. */
+/* The echo of a path by a target of some velocity, or silence where the sensor cannot hear it. */
 static Echo echo_of_path(const UltrasonicSensor *sensor, const Transceiver *pair, const Path *path, Curvature mirror,
-                         double reflection)
+                         Vector velocity, double reflection)
 {
     bool in_front = dot(path->incident, pair->axis) > 0.0 && dot(path->reflected, pair->receiver_axis) < 0.0;
-    bool outside = dot(path->incident, path->normal) < 0.0 && dot(path->reflected, path->normal) > 0.0;
+    /* a plane between transmitter and receiver has its mirror point behind the receiver */
+    bool outside = dot(path->incident, path->normal) < 0.0 && dot(path->reflected, path->normal) > 0.0
+        && path->second > 0.0;
     if (!in_front || !outside || !(reflection > 0.0)) {
         return silence;
     }
     double level = path_level(pair, *path, mirror, reflection, sensor->wave_number, sensor->absorption);
     double there = beam_argument(path->incident, pair->axis, sensor->wave_number);
     double back = beam_argument(path->reflected, pair->receiver_axis, sensor->wave_number);
-    return (Echo){path->time, level, 0.0, there, back};
-}
-
-/* The echo with its phasor times `factor`. */
-static Echo weighted(Echo echo, Phasor factor)
-{
-    echo.level += 0.5 * DECIBEL_PER_NEPER * log(factor.re * factor.re + factor.im * factor.im);
-    echo.phase += atan2(factor.im, factor.re);
-    return echo;
+    double doppler = doppler_of(pair, *path, velocity, sensor->speed_of_sound);
+    return (Echo){.time = path->time, .level = level, .there = there, .back = back, .doppler = doppler};
 }
 
 static Echo specular_plane(const UltrasonicSensor *sensor, const Surroundings *around, const Transceiver *pair)
 {
     Path path = plane_path(pair, around->plane_point, around->plane_normal, sensor->speed_of_sound);
-    return echo_of_path(sensor, pair, &path, plane_curvature(), sensor->plane_reflection);
+    Echo echo = echo_of_path(sensor, pair, &path, plane_curvature(), at_rest, sensor->plane_reflection);
+    return shaded(sensor, around, pair, PLANE, &path, plane_curvature(), echo);
 }
 
 /* The path by a given surface point; what moves is taken where it is at the reception. */
@@ -50,6 +46,7 @@ static Path path_by(const Transceiver *pair, Vector point, Vector normal, double
     path.incident = scale(1.0 / path.first, leg);
     path.reflected = scale(1.0 / path.second, back);
     path.time = (path.first + path.second) / speed;
+    path.bounce_time = path.first / speed;
     return path;
 }
 
@@ -141,9 +138,10 @@ static Path target_path(const UltrasonicSensor *sensor, const Surroundings *arou
     return path;
 }
 
-static Echo specular_target(const UltrasonicSensor *sensor, const Surroundings *around, const Target *target,
+static Echo specular_target(const UltrasonicSensor *sensor, const Surroundings *around, int number,
                             const Transceiver *pair)
 {
+    const Target *target = &around->target[number];
     Vector whole = subtract(target->end, target->start);
     Vector slide = vector(0.0, 0.0, 0.0);
     double square = dot(whole, whole), share;
@@ -159,7 +157,8 @@ static Echo specular_target(const UltrasonicSensor *sensor, const Surroundings *
     if (share > 0.0 && share < 1.0) {
         mirror = cylinder_curvature(path, scale(1.0 / sqrt(square), whole), target->radius);
     }
-    Echo echo = echo_of_path(sensor, pair, &path, mirror, target->reflection);
+    Echo echo = echo_of_path(sensor, pair, &path, mirror, target->velocity, target->reflection);
+    echo = shaded(sensor, around, pair, number, &path, mirror, echo);
     return square > 0.0 && isfinite(echo.time) ? blended(sensor, pair, target, &path, share, echo) : echo;
 }
 
@@ -199,8 +198,8 @@ static Phasor part_weight(const Path *path, Vector along, double bend, double si
 #define FAINT_PART 1e-6 /* of the plane's power */
 
 /* The echo by a point of a face where its sides along `a` and `b` have their mirror point or end. */
-static Echo echo_of_part(const UltrasonicSensor *sensor, const Transceiver *pair, const Path *path, Vector a, Vector b,
-                         double sign_a, double sign_b)
+static Echo echo_of_part(const UltrasonicSensor *sensor, const Surroundings *around, const Transceiver *pair,
+                         const Path *path, Vector a, Vector b, double sign_a, double sign_b)
 {
     double bend_a = straight_bend(path, a), bend_b = straight_bend(path, b);
     Phasor weight = phasor_product(part_weight(path, a, bend_a, sign_a, sensor->wave_number),
@@ -209,9 +208,12 @@ static Echo echo_of_part(const UltrasonicSensor *sensor, const Transceiver *pair
     double oblique = 0.5 * dot(subtract(path->reflected, path->incident), path->normal);
     double factor = oblique * (1.0 / path->first + 1.0 / path->second) / sqrt(bend_a * bend_b);
     weight = (Phasor){factor * weight.re, factor * weight.im};
-    Echo echo = echo_of_path(sensor, pair, path, plane_curvature(), sensor->box_reflection);
+    Echo echo = echo_of_path(sensor, pair, path, plane_curvature(), at_rest, sensor->box_reflection);
     bool faint = weight.re * weight.re + weight.im * weight.im < FAINT_PART;
-    return faint || !isfinite(echo.time) ? silence : weighted(echo, weight);
+    if (faint || !isfinite(echo.time)) {
+        return silence;
+    }
+    return shaded(sensor, around, pair, BOX, path, plane_curvature(), weighted(echo, weight));
 }
 
 /* A face as a bounded plane: its mirror point, its edges and its corners, each where and when it is. */
@@ -238,7 +240,7 @@ static void add_face(const UltrasonicSensor *sensor, const Surroundings *around,
         bool hidden = around->plane && dot(subtract(point, around->plane_point), around->plane_normal) < 0.0;
         if (!hidden) {
             Path path = path_by(pair, point, normal, mirror.time, sensor->speed_of_sound);
-            add_echo(echoes, echo_of_part(sensor, pair, &path, a, b, at_a.sign, at_b.sign));
+            add_echo(echoes, echo_of_part(sensor, around, pair, &path, a, b, at_a.sign, at_b.sign));
         }
     }
 }
@@ -249,7 +251,7 @@ static void add_echoes_of_targets(const UltrasonicSensor *sensor, const Surround
 {
     int before = echoes->count;
     for (int i = 0; i < around->targets; i++) {
-        add_echo(echoes, specular_target(sensor, around, &around->target[i], pair));
+        add_echo(echoes, specular_target(sensor, around, i, pair));
     }
     for (int face = 0; face < 2 * AXES && around->box_present; face++) {
         add_face(sensor, around, pair, face / 2, face % 2 ? 1.0 : -1.0, echoes);
@@ -259,32 +261,32 @@ static void add_echoes_of_targets(const UltrasonicSensor *sensor, const Surround
     }
 }
 
-static Vector mirrored(const Surroundings *around, Vector point)
-{
-    double height = dot(subtract(point, around->plane_point), around->plane_normal);
-    return add_scaled(point, -2.0 * height, around->plane_normal);
-}
-
-static Vector turned_over(const Surroundings *around, Vector direction)
-{
-    return add_scaled(direction, -2.0 * dot(direction, around->plane_normal), around->plane_normal);
-}
-
-/* One bounce at the ground, on the way to a target or from it: image transmitter, image receiver. */
-static void add_multipath(const UltrasonicSensor *sensor, const Surroundings *around, Echoes *echoes)
+/* One bounce at the ground, on the way to a target or from it: image transmitter, image receiver. Returns how many
+ * pairs there are, two or none. */
+static int mirrored_pairs(const UltrasonicSensor *sensor, const Surroundings *around, Transceiver pairs[2])
 {
     if (!(around->plane && sensor->multipath && sensor->plane_reflection > 0.0)) {
-        return;
+        return 0;
     }
-    double bounce_level = DECIBEL_PER_NEPER * log(sensor->plane_reflection);
     Transceiver there = around->pair, back = around->pair;
     there.transmitter = mirrored(around, there.transmitter);
     there.axis = turned_over(around, there.axis);
+    there.transmitter_velocity = turned_over(around, there.transmitter_velocity);
     back.receiver = mirrored(around, back.receiver);
     back.receiver_axis = turned_over(around, back.receiver_axis);
     back.velocity = turned_over(around, back.velocity);
-    add_echoes_of_targets(sensor, around, &there, bounce_level, echoes);
-    add_echoes_of_targets(sensor, around, &back, bounce_level, echoes);
+    pairs[0] = there;
+    pairs[1] = back;
+    return 2;
+}
+
+static void add_multipath(const UltrasonicSensor *sensor, const Surroundings *around, Echoes *echoes)
+{
+    Transceiver pairs[2];
+    int count = mirrored_pairs(sensor, around, pairs);
+    for (int i = 0; i < count; i++) {
+        add_echoes_of_targets(sensor, around, &pairs[i], DECIBEL_PER_NEPER * log(sensor->plane_reflection), echoes);
+    }
 }
 
 static void specular_echoes(const UltrasonicSensor *sensor, const Surroundings *around, Echoes *echoes)

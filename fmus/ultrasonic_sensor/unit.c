@@ -2,13 +2,23 @@
 #include "unit.h"
 #include "surroundings.c"
 
+#include <inttypes.h>
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
 #include "rays.c"
 #include "fresnel.c"
+#include "shading.c"
 #include "specular.c"
+#include "doppler.c"
 #include "envelope.c"
+#include "sum.c"
+#include "surface.c"
+#include "mesh.c"
+#include "mesh_checks.c"
+#include "bins.c"
+#include "foreign.c"
 #include "echo.c"
 
 #define DEVICE_SPEED (0.01 / 58e-6) /* m/s of echo width: the sheet's 58 us a centimetre */
@@ -36,7 +46,7 @@ static Status ultrasonic_sensor_check(const UltrasonicSensor *sensor, Log *log)
                       "velocity = %g m/s, sphere_velocity = %g m/s in length; allowed range: below the speed of sound "
                       "(%g m/s)", norm(sensor->velocity), norm(sensor->sphere_velocity), sound);
     }
-    return STATUS_OK;
+    return check_surface(sensor, log);
 }
 
 /* An input belongs to the time at which it took its value; from there it moves with its velocity. */
@@ -52,17 +62,38 @@ static void notice_inputs(UltrasonicSensor *sensor)
 {
     notice_change(sensor->time, sensor->position, &sensor->position_seen, &sensor->position_time);
     notice_change(sensor->time, sensor->sphere_center, &sensor->sphere_center_seen, &sensor->sphere_center_time);
+    notice_change(sensor->time, sensor->foreign_1_position, &sensor->foreign_1_position_seen,
+                  &sensor->foreign_1_position_time);
+    notice_change(sensor->time, sensor->foreign_2_position, &sensor->foreign_2_position_seen,
+                  &sensor->foreign_2_position_time);
+    notice_change(sensor->time, sensor->foreign_3_position, &sensor->foreign_3_position_seen,
+                  &sensor->foreign_3_position_time);
 }
 
 static bool trigger_rises(const UltrasonicSensor *sensor)
 {
-    return sensor->trigger && !sensor->trigger_before;
+    return sensor->trigger_clock || (sensor->trigger && !sensor->trigger_before);
+}
+
+/* Whether the burst of the ping, or its end, is due. Its own time counts, which `time` may miss by a rounding, and where
+ * the clock of the echo ticks by what an importer's time is off. */
+static bool is_due(const UltrasonicSensor *sensor)
+{
+    double rounding = (sensor->echo_clock ? 1e-9 : 1e-12) * (1.0 + fabs(sensor->time));
+    double next = sensor->waiting ? sensor->emission_time : sensor->finish_time;
+    return (sensor->waiting || sensor->in_flight) && next <= sensor->time + rounding;
 }
 
 /* A product, not a sum of steps: no drift. */
 static double ping_time(const UltrasonicSensor *sensor, uint64_t ping)
 {
     return sensor->period > 0.0 ? sensor->start_time + (double)ping * sensor->period : INFINITY;
+}
+
+/* Of the same ping, the burst. */
+static double burst_time(const UltrasonicSensor *sensor, uint64_t ping)
+{
+    return (sensor->start_time + sensor->trigger_latency) + (double)ping * sensor->period;
 }
 
 /* The bits of seed and counter well mixed: the finalizer of SplitMix64, Steele et al. 2014. */
@@ -99,10 +130,12 @@ static void pend_echo(UltrasonicSensor *sensor, Detection found)
 {
     double speed = sensor->speed_of_sound;
     double error = sensor->noise > 0.0 ? sensor->noise * normal_number(sensor->seed, sensor->sequence) : 0.0;
-    sensor->pending_flight = found.echo.time;
+    sensor->pending_flight = greater(found.echo.time, 0.0);
     sensor->pending_width = greater(found.crossing - sensor->echo_start, 0.0);
-    sensor->pending_distance =
-        reported_distance(sensor, distance_of_time(found.echo.time, speed, sensor->baseline), error);
+    /* sound that went straight from transmitter to receiver comes from no distance */
+    bool reflected = speed * found.echo.time > sensor->baseline;
+    double distance = reflected ? distance_of_time(found.echo.time, speed, sensor->baseline) : 0.0;
+    sensor->pending_distance = reported_distance(sensor, distance, error);
     sensor->pending_device = reported_distance(sensor, DEVICE_SPEED * sensor->pending_width, error);
 }
 
@@ -114,8 +147,21 @@ static void pend_silence(UltrasonicSensor *sensor, double end)
     sensor->pending_device = DEVICE_SPEED * end;
 }
 
-static void start_ping(UltrasonicSensor *sensor, double emission)
+#define NO_BURST (-1e9) /* s, the start of burst_times and of its like: long ago */
+
+/* Others know of the regular bursts by their start and period. */
+static void await_burst(UltrasonicSensor *sensor, double emission, bool regular)
 {
+    sensor->waiting = true;
+    sensor->emission_time = emission;
+    sensor->burst_times[1] = regular ? NO_BURST : emission;
+}
+
+/* How the ping in flight will end; anew where another burst becomes known. */
+static void compute_ping(UltrasonicSensor *sensor)
+{
+    double emission = sensor->emission_time;
+    see_foreign(sensor);
     Detection found = first_echo(sensor, emission);
     double time_out = sensor->time_out > 0.0 ? sensor->time_out : sensor->farthest_time;
     sensor->pending_valid = isfinite(found.crossing);
@@ -126,7 +172,18 @@ static void start_ping(UltrasonicSensor *sensor, double emission)
         pend_silence(sensor, time_out);
     }
     sensor->finish_time = emission + (sensor->pending_valid ? found.crossing : time_out);
+}
+
+static void emit_burst(UltrasonicSensor *sensor)
+{
+    sensor->waiting = false;
     sensor->in_flight = true;
+    if (sensor->burst_times[1] != NO_BURST) {
+        sensor->burst_times[0] = sensor->emission_time;
+        sensor->burst_times[1] = NO_BURST;
+    }
+    take_left(sensor, sensor->emission_time);
+    compute_ping(sensor);
 }
 
 /* The periodic pings that fell into the flight are lost. */
@@ -143,34 +200,50 @@ static void finish_ping(UltrasonicSensor *sensor)
     while (ping_time(sensor, sensor->next_ping) < sensor->finish_time) {
         sensor->next_ping++;
     }
+    if (sensor->period > 0.0 && sensor->burst_rest < 0.0) {
+        sensor->burst_times[1] = burst_time(sensor, sensor->next_ping);
+    }
 }
 
 static double ultrasonic_sensor_next_event(const UltrasonicSensor *sensor)
 {
-    if (trigger_rises(sensor)) {
+    if (trigger_rises(sensor) || is_due(sensor) || (sensor->in_flight && foreign_news(sensor))) {
         return sensor->time;
+    }
+    if (sensor->waiting) {
+        return sensor->emission_time;
     }
     return sensor->in_flight ? sensor->finish_time : ping_time(sensor, sensor->next_ping);
 }
 
-/* One event at a time, the earliest; its own time counts, which `time` may miss by a rounding. A
- * trigger during a flight is lost. */
+/* One event at a time, the earliest. A trigger while a ping waits or flies is lost. */
 static void ultrasonic_sensor_event(UltrasonicSensor *sensor)
 {
-    bool finished = sensor->in_flight && sensor->finish_time <= sensor->time;
+    bool waiting = sensor->waiting, busy = waiting || sensor->in_flight, due = is_due(sensor);
     notice_inputs(sensor);
-    if (trigger_rises(sensor) && !finished) {
-        sensor->trigger_before = true;
-        if (!sensor->in_flight) {
-            start_ping(sensor, sensor->time);
+    if (sensor->in_flight && foreign_news(sensor)) {
+        compute_ping(sensor);
+    } else if (trigger_rises(sensor) && !due) {
+        sensor->trigger_before |= sensor->trigger;
+        sensor->trigger_clock = false;
+        if (!busy) {
+            await_burst(sensor, sensor->time + sensor->trigger_latency, false);
         }
-    } else if (sensor->in_flight) {
+    } else if (waiting) {
+        emit_burst(sensor);
+    } else if (busy) {
         finish_ping(sensor);
     } else {
-        double emission = ping_time(sensor, sensor->next_ping);
+        await_burst(sensor, burst_time(sensor, sensor->next_ping), sensor->burst_rest >= 0.0);
         sensor->next_ping++;
-        start_ping(sensor, emission);
     }
+}
+
+/* Of the clock of the echo: when the ping in flight ends. */
+static double ultrasonic_sensor_clock_time(const UltrasonicSensor *sensor, size_t clock)
+{
+    (void)clock;
+    return sensor->in_flight ? sensor->finish_time : INFINITY;
 }
 
 /* Nothing happens between events but the passing of time. */

@@ -26,6 +26,7 @@ VALUE_UNITS = {
     "transmitter": "m",
     "receiver": "m",
     "velocity": "m/s",
+    "transmitter_velocity": "m/s",
     "speed": "m/s",
     "plane_point": "m",
     "ball_center": "m",
@@ -58,9 +59,11 @@ def identities(f: Equations) -> dict[str, SX]:
         **_times(f),
         **_plane(f),
         **_ball(f),
+        **_doppler(f),
         **_spreading(f),
         **_levels(f),
         **_burst(f),
+        **_foreign(f),
         "every equation is right in its units, which x = v/t is not": in_other_units(
             f, symbols(), VALUE_UNITS | RESULT_UNITS, RESULT_UNITS
         ),
@@ -193,6 +196,25 @@ def _ball(f: Equations) -> dict[str, SX]:
     }
 
 
+def _doppler(f: Equations) -> dict[str, SX]:
+    """An echo's pace: none where nothing moves, Doppler's formulas for one that does, and the way back undoes it."""
+    values, rest = symbols(), SX.zeros(3)
+    still = values | {"velocity": rest, "ball_velocity": rest, "transmitter_velocity": rest}
+    mover, speed = SX.sym("mover", 3), values["speed"]
+    doppler = {name: f(still | {name: mover})["doppler_of"] for name in ("velocity", "ball_velocity")}
+    along, back = ca.dot(values["incident"], mover), ca.dot(values["reflected"], mover)
+    flown = f(values | {"transmitter_velocity": mover, "ball_velocity": mover, "velocity": mover})
+    return {
+        "Doppler: none where nothing moves": f(still)["doppler_of"],
+        "Doppler: a receiver that flees hears (1 - v/c) of it": speed * doppler["velocity"] + back,
+        "Doppler: a transmitter that comes is heard 1 / (1 - v/c) of it": (1 - along / speed)
+        * (1 + f(still | {"transmitter_velocity": mover})["doppler_of"])
+        - 1,
+        "Doppler: a mirror receives and sends": (speed - back) * (1 + doppler["ball_velocity"]) - (speed - along),
+        "Doppler: none where all flies as one": flown["doppler_of"],
+    }
+
+
 def _stationary(f: Equations, values: Values) -> SX:
     """The slope of the time over the ball's surface, by the arrival times of the two legs."""
     direction = SX.sym("direction", 3)
@@ -297,6 +319,21 @@ def _levels(f: Equations) -> dict[str, SX]:
         "emitter and receiver may be exchanged: the curvatures stay": ca.vertcat(
             *[there[name] - here[name] for name in round_bodies]
         ),
+    }
+
+
+def _foreign(f: Equations) -> dict[str, SX]:
+    """What others are told: the transmitter is at the end of the path by a wall that faces it, and of two times one."""
+    values = symbols()
+    results = f(values)
+    offset, axis = results["burst_position"] - values["position"], results["burst_axis"]
+    one, other = values["range"], values["length"]
+    return {
+        "a burst looks along a unit vector": ca.dot(axis, axis) - 1,
+        "a burst leaves half a baseline beside the middle, across its direction": ca.vertcat(
+            ca.dot(offset, offset) - (values["baseline"] / 2) ** 2, ca.dot(offset, axis)
+        ),
+        "the longer of two times is one of them": (results["longer"] - one) * (results["longer"] - other),
     }
 
 

@@ -8,13 +8,13 @@
 static const size_t element_size[VALUE_TYPES] = {
     [FLOAT64] = sizeof(double),  [FLOAT32] = sizeof(float), [INT32] = sizeof(int32_t),
     [UINT64] = sizeof(uint64_t), [BOOLEAN] = sizeof(bool),  [ENUMERATION] = sizeof(int64_t),
-    [BINARY] = 1,
+    [BINARY] = 1,                [CLOCK] = sizeof(bool),
 };
 
 static const char *const type_names[VALUE_TYPES] = {
     [FLOAT64] = "Float64", [FLOAT32] = "Float32", [INT32] = "Int32",
     [UINT64] = "UInt64",   [BOOLEAN] = "Boolean", [ENUMERATION] = "Enumeration",
-    [BINARY] = "Binary",
+    [BINARY] = "Binary",   [CLOCK] = "Clock",
 };
 
 /* The variable of a value reference; `whole` where the reference must be that of a first element. */
@@ -33,7 +33,7 @@ static const Variable *instance_find(Instance *instance, const char *call, uint3
 
 static const char *element_name(const Variable *variable, uint32_t element, char *text, size_t size)
 {
-    if (variable->count == 1) {
+    if (variable->count == 1 && !variable->size_of) {
         return variable->name;
     }
     snprintf(text, size, "%s[%u]", variable->name, (unsigned)element + 1);
@@ -57,6 +57,7 @@ static double value_at(uint8_t type, const char *place)
     case INT32: return (double)value.int32;
     case UINT64: return (double)value.uint64;
     case ENUMERATION: return (double)value.int64;
+    case CLOCK:
     case BOOLEAN: return value.boolean ? 1.0 : 0.0;
     case BINARY:
     case VALUE_TYPES: break;
@@ -143,13 +144,13 @@ static Status check_value(Instance *instance, const Variable *variable, uint32_t
     char name[96], range[96] = "any finite value";
     bool low = isfinite(variable->minimum), high = isfinite(variable->maximum);
     if (low && high) {
-        snprintf(range, sizeof range, "%g to %g", variable->minimum, variable->maximum);
+        snprintf(range, sizeof range, "%.10g to %.10g", variable->minimum, variable->maximum);
     } else if (low) {
-        snprintf(range, sizeof range, "at least %g", variable->minimum);
+        snprintf(range, sizeof range, "at least %.10g", variable->minimum);
     } else if (high) {
-        snprintf(range, sizeof range, "at most %g", variable->maximum);
+        snprintf(range, sizeof range, "at most %.10g", variable->maximum);
     }
-    return report(&instance->log, STATUS_ERROR, "%s = %g %s; allowed range: %s",
+    return report(&instance->log, STATUS_ERROR, "%s = %.10g %s; allowed range: %s",
                   element_name(variable, element, name, sizeof name), value, variable->unit, range);
 }
 

@@ -1,6 +1,7 @@
 /* Getting and setting whole variables, for FMI 3: one loop over the table for every type. */
 #include "instance.h"
 
+#include <math.h>
 #include <string.h>
 
 /* The kind of access that all of a get or set shares, found wanting or not before the first value moves. */
@@ -26,6 +27,16 @@ static Status left_over(Instance *instance, const char *call, size_t left)
                   call, left);
 }
 
+/* Where the elements of a variable lie that is no stream. */
+static char *variable_place(const Instance *instance, const Variable *variable)
+{
+    size_t place = variable->offset;
+    if (variable->size_of) {
+        place = unit.array(instance->values, (size_t)(variable - unit.variables));
+    }
+    return instance->values + place;
+}
+
 static Status instance_get(Instance *instance, const char *call, ValueType type, const uint32_t references[], size_t count,
                            void *values, size_t value_count)
 {
@@ -47,7 +58,7 @@ static Status instance_get(Instance *instance, const char *call, ValueType type,
             if (variable->group == STREAM) {
                 unit.stream(instance->values, instance->workspace, (size_t)(variable - unit.variables), destination);
             } else {
-                memcpy(destination, instance->values + variable->offset, bytes);
+                memcpy(destination, variable_place(instance, variable), bytes);
             }
             destination += bytes;
             left -= elements;
@@ -56,17 +67,62 @@ static Status instance_get(Instance *instance, const char *call, ValueType type,
     return status == STATUS_OK ? left_over(instance, call, left) : status;
 }
 
+/* The arrays that a structural parameter sizes get their room, and start anew where it changes. */
+static Status set_structural(Instance *instance, const Variable *variable, const char *source)
+{
+    char before[sizeof(uint64_t)];
+    char *place = instance->values + variable->offset;
+    size_t size = element_size[variable->type];
+    memcpy(before, place, size);
+    memcpy(place, source, size);
+    Status status = instance_fit_values(instance, values_size(instance->values));
+    if (status != STATUS_OK) {
+        memcpy(place, before, size);
+    } else if (memcmp(before, source, size) != 0) {
+        instance_clear_arrays(instance);
+    }
+    return status;
+}
+
+/* Whether all are finite: without a branch, since a mesh has many. */
+static bool are_finite(const char *source, size_t elements)
+{
+    uint32_t infinite = 0;
+    for (size_t k = 0; k < elements; k++) {
+        uint32_t bits;
+        memcpy(&bits, source + k * sizeof bits, sizeof bits);
+        infinite |= (bits & 0x7F800000U) == 0x7F800000U;
+    }
+    return !infinite;
+}
+
+/* Names the first element that is not within the limits. */
+static Status check_elements(Instance *instance, const Variable *variable, const char *source, size_t elements)
+{
+    bool unlimited = isinf(variable->minimum) && isinf(variable->maximum);
+    if (variable->type == BOOLEAN || (variable->type == FLOAT32 && unlimited && are_finite(source, elements))) {
+        return STATUS_OK;
+    }
+    Status status = STATUS_OK;
+    for (uint32_t k = 0; status == STATUS_OK && k < elements; k++) {
+        status = check_value(instance, variable, k, value_at(variable->type, source + k * element_size[variable->type]));
+    }
+    return status;
+}
+
 static Status set_elements(Instance *instance, const char *call, const Variable *variable, const char *source,
                            size_t elements)
 {
     Status status = check_settable(instance, call, variable);
-    size_t size = element_size[variable->type];
-    char *place = instance->values + variable->offset;
-    for (uint32_t k = 0; status == STATUS_OK && variable->type != BOOLEAN && k < elements; k++) {
-        status = check_value(instance, variable, k, value_at(variable->type, source + k * size));
+    if (status == STATUS_OK) {
+        status = check_elements(instance, variable, source, elements);
+    }
+    if (status == STATUS_OK && variable->causality == STRUCTURAL_PARAMETER) {
+        status = set_structural(instance, variable, source);
     }
     if (status == STATUS_OK) {
-        memcpy(place, source, elements * size);
+        char *place = variable_place(instance, variable);
+        memcpy(place, source, elements * element_size[variable->type]);
         for (size_t k = 0; variable->type == BOOLEAN && k < elements; k++) {
             place[k] = place[k] != 0; /* any other byte is no bool */
         }

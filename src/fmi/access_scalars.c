@@ -20,6 +20,7 @@ static Status set_element(Instance *instance, const char *call, const Variable *
     case UINT64: memcpy(place, &(uint64_t){(uint64_t)value}, sizeof(uint64_t)); break;
     case ENUMERATION: memcpy(place, &(int64_t){(int64_t)value}, sizeof(int64_t)); break;
     case BOOLEAN: memcpy(place, &(bool){value > 0.5}, sizeof(bool)); break;
+    case CLOCK:
     case BINARY:
     case VALUE_TYPES: break;
     }
@@ -37,7 +38,7 @@ static const Variable *scalar(Instance *instance, const char *call, uint32_t ref
         return NULL;
     }
     bool integer = type == INT32 && (variable->type == ENUMERATION || variable->type == UINT64);
-    if ((variable->type != type && !integer) || variable->group == STREAM) {
+    if ((variable->type != type && !integer) || !is_field(variable)) {
         report(&instance->log, STATUS_ERROR, "%s: %s is of type %s", call, variable->name, type_names[variable->type]);
         return NULL;
     }

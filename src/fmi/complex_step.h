@@ -8,7 +8,7 @@ static void load_complex(char *values, const double *by_reference, const double 
     for (size_t i = 0; i < sizeof variables / sizeof *variables; i++) {
         const Variable *variable = &variables[i];
         char *place = values + variable->offset;
-        for (uint32_t k = 0; variable->group != STREAM && k < variable->count; k++) {
+        for (uint32_t k = 0; is_field(variable) && k < variable->count; k++) {
             double value = by_reference[variable->reference + k];
             switch ((ValueType)variable->type) {
             case FLOAT64: {
@@ -22,6 +22,7 @@ static void load_complex(char *values, const double *by_reference, const double 
             case UINT64: ((uint64_t *)(void *)place)[k] = (uint64_t)value; break;
             case ENUMERATION: ((int64_t *)(void *)place)[k] = (int64_t)value; break;
             case BOOLEAN: ((bool *)place)[k] = value != 0.0; break;
+            case CLOCK:
             case BINARY:
             case VALUE_TYPES: break;
             }
@@ -48,7 +49,7 @@ void DIRECTIONAL(const double *by_reference, const void *workspace, bool initial
     for (size_t i = 0; i < sizeof variables / sizeof *variables; i++) {
         const Variable *variable = &variables[i];
         const double *parts = (const double *)(const void *)((const char *)&values + variable->offset);
-        for (uint32_t k = 0; variable->type == FLOAT64 && variable->group != STREAM && k < variable->count; k++) {
+        for (uint32_t k = 0; variable->type == FLOAT64 && is_field(variable) && k < variable->count; k++) {
             sensitivity[variable->reference + k] = parts[2 * k + 1] / COMPLEX_STEP;
         }
     }

@@ -227,7 +227,7 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, si
     if (!FMUstate || !size) {
         return (fmi2Status)instance_refuse(instance, __func__, "an argument is NULL");
     }
-    *size = instance_saved_size();
+    *size = instance_saved_size(FMUstate);
     return fmi2OK;
 }
 

@@ -191,7 +191,7 @@ fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUSta
     REQUIRE(instance);
     REQUIRE_POINTER(FMUState)
     REQUIRE_POINTER(size)
-    *size = instance_saved_size();
+    *size = instance_saved_size(FMUState);
     return fmi3OK;
 }
 

@@ -44,7 +44,8 @@ typedef struct Instance {
     size_t workspace_size;
     void *workspace;
     double *by_reference; /* three vectors of reference_count: values, seed, sensitivity */
-    char *values;         /* the unit's struct */
+    char *values;         /* the unit's struct, and behind it the arrays that structural parameters size */
+    size_t values_room;   /* bytes */
     bool reads_binary;    /* FMI 3: room for Binary variables is made with the workspace */
     char *binary;         /* what the last read of them gave, the reader's until the next */
     size_t binary_size;
@@ -74,6 +75,9 @@ static Status instance_exit_initialization(Instance *instance, const char *call)
 static Status instance_refresh(Instance *instance, uint32_t groups);
 static Status instance_prepare(Instance *instance);
 static void instance_touch(Instance *instance);
+static size_t values_size(const char *values);
+static Status instance_fit_values(Instance *instance, size_t size);
+static void instance_clear_arrays(Instance *instance);
 static double instance_time(const Instance *instance);
 static void instance_set_time(Instance *instance, double time);
 static Status instance_move_time(Instance *instance, double time);
@@ -97,7 +101,7 @@ static const char *element_name(const Variable *variable, uint32_t element, char
 typedef struct SavedState SavedState;
 static Status instance_save(Instance *instance, SavedState **saved);
 static Status instance_restore(Instance *instance, const SavedState *saved);
-static size_t instance_saved_size(void);
+static size_t instance_saved_size(const SavedState *saved);
 static Status instance_serialize(Instance *instance, const SavedState *saved, void *bytes, size_t size);
 static Status instance_deserialize(Instance *instance, const void *bytes, size_t size, SavedState **saved);
 

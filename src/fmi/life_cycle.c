@@ -84,6 +84,32 @@ static Status instance_move_time(Instance *instance, double time)
     return STATUS_OK;
 }
 
+/* Bytes of the struct and of the arrays behind it. */
+static size_t values_size(const char *values)
+{
+    return unit.array ? unit.array(values, unit.variable_count) : unit.size;
+}
+
+/* Room for so many bytes of values; what is there stays. */
+static Status instance_fit_values(Instance *instance, size_t size)
+{
+    if (size > instance->values_room) {
+        char *values = realloc(instance->values, size);
+        if (!values) {
+            return report(&instance->log, STATUS_ERROR, "out of memory: %zu bytes", size);
+        }
+        instance->values = values;
+        instance->values_room = size;
+    }
+    return STATUS_OK;
+}
+
+/* The arrays behind the struct at their start values, for which there is room. */
+static void instance_clear_arrays(Instance *instance)
+{
+    memset(instance->values + unit.size, 0, values_size(instance->values) - unit.size);
+}
+
 /* Everything computed is out of date. */
 static void instance_touch(Instance *instance)
 {
@@ -99,7 +125,14 @@ static Status instance_to_start(Instance *instance)
     instance->stop_time = INFINITY;
     instance->unprepared = true;
     instance_touch(instance);
-    return unit.start_from ? unit.start_from(instance->values, instance->resources, &instance->log) : STATUS_OK;
+    Status status = unit.start_from ? unit.start_from(instance->values, instance->resources, &instance->log) : STATUS_OK;
+    if (status == STATUS_OK) {
+        status = instance_fit_values(instance, values_size(instance->values));
+    }
+    if (status == STATUS_OK) {
+        instance_clear_arrays(instance);
+    }
+    return status;
 }
 
 /* A token is the unit's own, followed by "+" and a name where the FMU needs a file of that name among its resources.
@@ -133,6 +166,7 @@ static Instance *instance_create(Kind kind, const char *name, const char *token,
     instance->log = log;
     instance->kind = kind;
     instance->values = calloc(1, unit.size);
+    instance->values_room = unit.size;
     instance->resources = resource_folder(resources);
     instance->by_reference = calloc(3 * unit.reference_count, sizeof(double));
     instance->log.instance_name = calloc(1, strlen(name) + 1);

@@ -5,7 +5,7 @@
 
 static bool differentiable(const Instance *instance, const Variable *variable, bool unknown)
 {
-    if (variable->type != FLOAT64 || variable->group == STREAM) {
+    if (variable->type != FLOAT64 || !is_field(variable)) {
         return false;
     }
     if (unknown) {
@@ -56,7 +56,7 @@ static void load_values(Instance *instance)
     double *values = instance->by_reference;
     for (size_t i = 0; i < unit.variable_count; i++) {
         const Variable *variable = &unit.variables[i];
-        for (uint32_t k = 0; variable->group != STREAM && k < variable->count; k++) {
+        for (uint32_t k = 0; is_field(variable) && k < variable->count; k++) {
             values[variable->reference + k] = element_as_double(instance, variable, k);
         }
     }

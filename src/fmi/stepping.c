@@ -29,6 +29,9 @@ static void handle_events(Instance *instance)
         unit.event(instance->values);
         instance->stale = UINT32_MAX;
     }
+    if (unit.deactivate_clocks) {
+        unit.deactivate_clocks(instance->values);
+    }
 }
 
 /* A step that would never end, for all one can wait. */

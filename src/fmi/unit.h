@@ -22,6 +22,9 @@
  *     double sensor_next_event(const Sensor *)      time of the next event, INFINITY for none
  *     void sensor_event(Sensor *)                   handles the event that is due, so that the next one is
  *                                                   another; `time` may miss its time by a rounding
+ *   where there are clocks, they are fields that are true while the clock is active, until all events of
+ *   that time are handled; of a countdown clock
+ *     double sensor_clock_time(const Sensor *, size_t clock)  when it ticks, INFINITY where that is not known
  *   where unit.toml names a `workspace`: memory that follows from the parameters alone, and is
  *   therefore no part of a saved state; groups and streams then take it as a second argument
  *     size_t skin_workspace_size(const Skin *)
@@ -29,6 +32,9 @@
  *   where unit.toml says `resources = true`: start values that a file among the resources gives, at
  *   instantiation and reset; `resources` is a folder that ends in a separator, or "" if there is none
  *     Status skin_start(Skin *, const char *resources, Log *)
+ *   where an input has a structural parameter among its dimensions, it lies behind the struct, in the
+ *   same block; variables.h then has
+ *     static const float *skin_NAME(const Skin *)   its elements; zero, until they are set
  *   where a variable is a `stream`: computed straight into the reader's memory
  *     void skin_stream(const Skin *, const void *workspace, size_t variable, void *destination)
  */
@@ -60,7 +66,7 @@ typedef struct Unit {
     const uint16_t *states;         /* indices of the variables that are continuous states */
     size_t state_variables;
     size_t state_count;             /* continuous states, scalars */
-    size_t size;                    /* bytes of the struct */
+    size_t size;                    /* bytes of the struct, without the arrays behind it */
     const void *start;              /* the struct at its start values */
     size_t group_count;
     void (*const *evaluate)(void *values, const void *workspace);
@@ -70,6 +76,9 @@ typedef struct Unit {
     double (*state_sum)(const void *values); /* of all states: finite only where each of them is */
     double (*next_event)(const void *values);
     void (*event)(void *values);
+    void (*deactivate_clocks)(void *values);
+    double (*clock_time)(const void *values, size_t clock);
+    size_t (*array)(const void *values, size_t variable); /* where it lies; of variable_count, where all end */
     size_t (*workspace_size)(const void *values);
     Status (*prepare)(const void *values, const char *resources, void *workspace, Log *log);
     Status (*start_from)(void *values, const char *resources, Log *log);

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-typedef enum ValueType { FLOAT64, FLOAT32, INT32, UINT64, BOOLEAN, ENUMERATION, BINARY, VALUE_TYPES } ValueType;
+typedef enum ValueType { FLOAT64, FLOAT32, INT32, UINT64, BOOLEAN, ENUMERATION, BINARY, CLOCK, VALUE_TYPES } ValueType;
 
 typedef enum Causality {
     INDEPENDENT,
@@ -36,12 +36,19 @@ typedef struct Variable {
     uint16_t rate;          /* index of the input that holds this one's slope, or NO_VARIABLE */
     bool quaternion;        /* its norm is checked */
     bool state;             /* a continuous state; its derivative is the row after it */
-    size_t offset;          /* in the unit's struct, bytes */
+    bool countdown;         /* a clock that the unit times; what was said of it are the two rows after it */
+    size_t offset;          /* in the unit's struct, bytes; 0 where it is no field of it */
     uint32_t reference;     /* value reference of the first element; the others follow */
-    uint32_t count;         /* elements, of a BINARY its bytes; for a stream, elements per size_of */
+    uint32_t count;         /* elements, of a BINARY its bytes; per size_of, if there is one */
     uint32_t size_of;       /* offset in the struct of the uint64_t that multiplies count, or 0 */
     double minimum, maximum;
     double nominal;
 } Variable;
+
+/* Whether its elements are a field of the struct: else a stream, or an array behind it. */
+static inline bool is_field(const Variable *variable)
+{
+    return variable->group != STREAM && !variable->size_of;
+}
 
 #endif

@@ -123,4 +123,4 @@ class Controlled:
 
     def _arrays(self) -> list[np.ndarray]:
         coupling = self._coupling
-        return [*coupling.outputs.values(), *coupling.inputs.values(), *coupling.memory]
+        return [*coupling.outputs.values(), *coupling.inputs.values(), *coupling.arrays.buffers, *coupling.memory]

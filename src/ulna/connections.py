@@ -31,6 +31,11 @@ class End:
         return self.unit.slave.shape(self.variable)
 
     @property
+    def sized(self) -> bool:
+        """Whether a structural parameter rules its size: an array that may be large."""
+        return any(isinstance(size, str) for size in self.variable.dimensions)
+
+    @property
     def kind(self) -> str:
         """What its values are, whatever their width: float, integer, Boolean or enumeration."""
         return KINDS.get(self.variable.type, "integer")
@@ -69,6 +74,16 @@ class Connection:
         """Whether the value changes on the way."""
         return (self.factor, self.offset) != (1.0, 0.0)
 
+    @property
+    def once(self) -> bool:
+        """Whether the source keeps its value after initialization."""
+        return self.source.variable.variability in ("constant", "fixed")
+
+    @property
+    def whole(self) -> bool:
+        """Whether it is moved by itself, not with the other values of a unit."""
+        return self.once or self.source.sized or self.target.sized
+
     def __str__(self) -> str:
         """`a.position -> b.position`."""
         return f"{self.source.name} -> {self.target.name}"
@@ -102,20 +117,28 @@ def connect_ends(source: End, target: End, factor: float | None, offset: float |
     Raises ValueError, with both ends in the message.
     """
     both = f"{source} to {target}"
-    if source.variable.causality != "output":
+    if source.variable.causality != "output" and not (source.variable.causality == "local" and source.sized):
         hint = "; connect them the other way round" if target.variable.causality == "output" else ""
         raise ValueError(f"cannot connect {both}: the source is no output{hint}")
     if target.variable.causality != "input":
         raise ValueError(f"cannot connect {both}: the target is no input")
     if source.kind != target.kind or source.variable.entries != target.variable.entries:
         raise ValueError(f"cannot connect {both}: their types differ")
-    if source.shape != target.shape:
-        raise ValueError(f"cannot connect {both}: their sizes differ")
+    check_sizes(source, target)
     if factor is None and not source.variable.unit.matches(target.variable.unit):
         raise ValueError(f"cannot connect {both}: their units differ; a factor would convert them")
     if (factor, offset) != (None, None) and source.kind != "float":
         raise ValueError(f"cannot connect {both}: a factor or an offset needs floating-point ends")
     return Connection(source, target, 1.0 if factor is None else float(factor), float(offset or 0.0))
+
+
+def check_sizes(source: End, target: End) -> None:
+    """Raises ValueError, with both ends in the message, unless they have the same shape now."""
+    if source.shape != target.shape:
+        sizes = [(end.unit.name, size) for end in (source, target) for size in end.variable.dimensions]
+        rulers = " and ".join(f"{unit}.{size}" for unit, size in sizes if isinstance(size, str))
+        hint = f"; set {rulers}" if rulers else ""
+        raise ValueError(f"cannot connect {source} to {target}: their sizes differ{hint}")
 
 
 def connect_frames(first: Frame, second: Frame) -> tuple[list[Connection], list[Bond]]:

@@ -2,7 +2,8 @@
 
 All that is read from the units lies in one flat array per number type (`outputs`), all that is written to them in
 another (`inputs`). A unit reads and writes a slice of them with one call per type. A connection is a gather from
-`outputs` into the slice of the unit that takes it, done for all inputs of a unit at once.
+`outputs` into the slice of the unit that takes it, done for all inputs of a unit at once. Whole arrays, as of a mesh,
+go beside both: see `arrays`.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -12,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from .arrays import Arrays
 from .connections import Bond, Connection, End, Signal
 from .joints import Joint, motion_ends, wrench_ends
 from .messages import WARNING
@@ -80,18 +82,26 @@ class Coupling:
         self.bonds, self.joints = list(bonds), list(joints)
         self.kinetic, self.potential = (_energies(bonds, name) for name in ("kinetic_energy", "potential_energy"))
         """Energies of the units that bonds join, as far as they put them out."""
+        self.arrays = Arrays([c for c in connections if c.whole])
+        gathered = [c for c in connections if not c.whole]
         watched = [*self.kinetic, *self.potential, *(end for joint in joints for end in motion_ends(joint))]
-        read = dict.fromkeys([*recorded, *(connection.source for connection in connections), *watched])
-        written = dict.fromkeys(item.target for item in sorted([*connections, *signals], key=_cost))
+        read = dict.fromkeys([*recorded, *(connection.source for connection in gathered), *watched])
+        written = dict.fromkeys(item.target for item in sorted([*gathered, *signals], key=_cost))
         written |= dict.fromkeys(end for joint in joints for end in wrench_ends(joint))
         self.outputs, self._output_places, self._getters = _lay_out(slaves, read, Slave.getter)
         self.inputs, self._input_places, self._setters = _lay_out(slaves, written, Slave.setter)
         self.probed, self._probe_places, self._probes = _lay_out(slaves, _direct_wrenches(bonds), Slave.getter)
         """Wrenches that depend directly on the motion that they work on, as they are when a step begins."""
-        self.connections = list(connections)
+        for ports, whole in ((self._getters, self.arrays.getters), (self._setters, self.arrays.setters)):
+            for name in whole:
+                ports[name] += whole[name]
+        self.connections = [c for c in connections if not c.once]
         self._driven = frozenset(written)
         self.signals = {name: self._watch(signals, name) for name in slaves}
-        self.transfers = {name: self._plan([c for c in connections if c.target.unit.name == name]) for name in slaves}
+        self.transfers = {
+            name: self._plan([c for c in gathered if c.target.unit.name == name]) + self.arrays.moves.get(name, [])
+            for name in slaves
+        }
 
     def output(self, end: End) -> np.ndarray:
         """Where a variable that is read lies, flat."""
@@ -154,6 +164,11 @@ class Coupling:
                 ways.append((*invocation, slave, f"fmi{slave.version[0]}{way}FMUState"))
         return calls
 
+    def once(self) -> list[Call]:
+        """Calls that move what is fixed; in initialization mode."""
+        getters, moves, setters = self.arrays.once
+        return [*map(_call, getters), *((*move, None, "") for move in moves), *map(_call, setters)]
+
     def reading(self) -> Stage:
         """Reads the outputs of all units."""
         return Stage(calls=self.gets(self.units))
@@ -170,15 +185,15 @@ class Coupling:
 
     def feeds_through(self, unit: str) -> bool:
         """Whether what is read of a unit depends directly on what is written to it."""
-        known = self.slaves[unit].description.dependencies
-        written = {end.variable.name for end in self._input_places if end.unit.name == unit}
-        read = [end.variable.name for end in self._output_places if end.unit.name == unit]
-        return any(known.get(name, written) & written for name in read)
+        inputs_of = self.slaves[unit].description.inputs_of
+        targets, sources = [*self._input_places, *self.arrays.targets], [*self._output_places, *self.arrays.sources]
+        written = {end.variable.name for end in targets if end.unit.name == unit}
+        return any(inputs_of(end.variable.name) & written for end in sources if end.unit.name == unit)
 
     def gather(self, units: Sequence[str]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The float64 connections between these units, by element: place of the target, of the source, and factor."""
         inside = [c for c in self.connections if c.source.unit.name in units and c.target.unit.name in units]
-        inside = [c for c in inside if not _casts(c) and self._input_places[c.target][0] == np.float64]
+        inside = [c for c in inside if not (c.whole or _casts(c)) and self._input_places[c.target][0] == np.float64]
         columns = [
             (
                 np.arange(*self._input_places[c.target][1:]),
@@ -198,7 +213,7 @@ class Coupling:
 
     def snapshot(self) -> list[np.ndarray]:
         """All values that are exchanged."""
-        return [values.copy() for values in [*self.inputs.values(), *self.outputs.values()]]
+        return [values.copy() for values in [*self.inputs.values(), *self.outputs.values(), *self.arrays.buffers]]
 
     def run(self, stage: Stage, time: float) -> None:
         """Runs a stage, with signals at `time`; raises UnitError for the first call that fails."""

@@ -119,6 +119,13 @@ class Description:
         """Whether its derivatives say that its outputs follow from its inputs alone."""
         return self.directional_derivatives and not self.has_states
 
+    def inputs_of(self, name: str) -> frozenset[str]:
+        """The inputs that an output or a local variable may depend on directly: of the latter nothing is declared."""
+        if self.variables[name].variability in ("constant", "fixed"):
+            return frozenset()
+        inputs = (variable.name for variable in self.variables.values() if variable.causality == "input")
+        return self.dependencies[name] if name in self.dependencies else frozenset(inputs)
+
     @property
     def sampled(self) -> bool:
         """Whether its outputs change at events only: then what it is told counts when it is told."""

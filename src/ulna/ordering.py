@@ -86,8 +86,7 @@ def feeds_through(connection: Connection, connections: Sequence[Connection]) -> 
     """Whether some output of the target's unit that is connected further depends directly on this input."""
     target = connection.target
     used = {c.source.variable.name for c in connections if c.source.unit is target.unit}
-    dependencies = target.unit.slave.description.dependencies
-    return any(target.variable.name in dependencies.get(name, ()) for name in used)
+    return any(target.variable.name in target.unit.slave.description.inputs_of(name) for name in used)
 
 
 def find_loops(units: Sequence[str], connections: Sequence[Connection]) -> list[Loop]:
@@ -108,7 +107,7 @@ def _input_graph(connections: Sequence[Connection]) -> tuple[list[str], list[tup
     """Connected inputs, and an edge wherever one reaches the next through the direct dependencies of an output."""
     edges = []
     for after in connections:
-        known = after.source.unit.slave.description.dependencies.get(after.source.variable.name, frozenset())
+        known = after.source.unit.slave.description.inputs_of(after.source.variable.name)
         for before in connections:
             if before.target.unit is after.source.unit and before.target.variable.name in known:
                 edges.append((before.target.name, after.target.name))

@@ -1,6 +1,6 @@
 """Pictures of a run: its curves in small multiples, and its scene at a few instants."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from math import ceil, cos, degrees, sin
 from os import PathLike
@@ -11,15 +11,17 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from .drawing import parts, series, skin_like, units_of
+from .drawing import parts, series, skin_like, source_of, units_of
 from .results import Results
-from .scene import Scene
+from .scene import Scene, SceneUnit
 from .skeleton import multiply, rotate
+from .targets import true_distance
 
 COLUMNS = 3
 MOST_PANELS = 9
 DOTS_PER_INCH = 100
-COLORS = ("#1f5f99", "#e06c1f", "#3d8b57", "#8a4fa3")
+COLORS = ("#1f5f99", "#e06c1f", "#3d8b57", "#8a4fa3", "#b3374a", "#5a5a5a")
+MOST_ELEMENTS = 4
 SKIN = (0.86, 0.60, 0.48)
 # Turns the world before a viewer who looks along y: -15 degrees about z, then 10 about x.
 VIEW = multiply(np.array([cos(0.087), sin(0.087), 0.0, 0.0]), np.array([cos(0.131), 0.0, 0.0, -sin(0.131)]))
@@ -45,29 +47,38 @@ class Panel:
     unit: str
     curves: list[tuple[str, np.ndarray]] = field(default_factory=list)
     dots: list[tuple[str, np.ndarray, np.ndarray]] = field(default_factory=list)
+    wide: bool = False
+    """Whether it takes a whole row; its first curve, which the others are held to, is drawn broad and pale."""
 
 
 def plot(results: Results, path: str | PathLike, scene: Scene | None = None) -> None:
     """Writes a PNG of at most nine panels. With the scene, sensors show the true distance beside the measured one."""
     chosen = panels(results, scene)
-    rows = max(1, ceil(len(chosen) / COLUMNS))
-    columns = min(COLUMNS, max(1, len(chosen)))
-    figure = Figure(figsize=(4.2 * columns, 2.5 * rows + 0.3), dpi=DOTS_PER_INCH, layout="constrained")
+    whole, rest = ([panel for panel in chosen if panel.wide == wide] for wide in (True, False))
+    columns = COLUMNS if whole else min(COLUMNS, max(1, len(rest)))
+    rows = max(1, len(whole) + ceil(len(rest) / columns))
+    figure = Figure(
+        figsize=(4.2 * columns, 2.5 * rows + 0.3 + 0.8 * len(whole)), dpi=DOTS_PER_INCH, layout="constrained"
+    )
     FigureCanvasAgg(figure)
-    axes = list(figure.subplots(rows, columns, sharex=True, squeeze=False).flat)
-    for ax, panel in zip(axes, chosen, strict=False):
+    heights = [3.3] * len(whole) + [2.5] * (rows - len(whole))
+    grid = figure.add_gridspec(rows, columns, height_ratios=heights)
+    places = [grid[row, :] for row in range(len(whole))]
+    places += [grid[len(whole) + number // columns, number % columns] for number in range(len(rest))]
+    first = None
+    for number, (panel, place) in enumerate(zip([*whole, *rest], places, strict=True)):
+        ax = figure.add_subplot(place, sharex=first)
+        first = first or ax
         _draw(ax, results.time, panel)
-    for number, ax in enumerate(axes):
-        ax.set_visible(number < len(chosen))
-        if len(chosen) - columns <= number < len(chosen):
-            ax.tick_params(labelbottom=True)
-            ax.set_xlabel("time [s]")
+        lowest = number >= len(chosen) - columns
+        ax.tick_params(labelbottom=lowest)
+        ax.set_xlabel("time [s]" if lowest else "")
     figure.savefig(path, pil_kwargs={"optimize": True})
 
 
 def panels(results: Results, scene: Scene | None) -> list[Panel]:
     """What is worth a panel; a column that does not change is not, unless it belongs with others that do."""
-    chosen = [_range_panel(results, scene, unit.name) for unit in units_of(scene, "UltrasonicSensor")] if scene else []
+    chosen = list(_range_panels(results, scene)) if scene else []
     names = list(dict.fromkeys(name.split(".")[0] for name in results))
     chosen += [_group_panel(results, unit, group) for group in GROUPS for unit in names]
     grouped = {variable for *_, variables in GROUPS for variable in variables}
@@ -80,22 +91,40 @@ def panels(results: Results, scene: Scene | None) -> list[Panel]:
     return [panel for panel in chosen if panel][:MOST_PANELS]
 
 
-def _range_panel(results: Results, scene: Scene, unit: str) -> Panel | None:
-    """The distance from the sensor to the ball's surface, and the pings."""
-    try:
-        sensor, center, radius, distance, valid, pings = (
-            series(results, scene, f"{unit}.{name}")
-            for name in ("position", "sphere_center", "sphere_radius", "distance", "valid", "sequence")
-        )
-    except KeyError:
-        return None
-    rows = np.flatnonzero(np.diff(pings)) + 1
+def _range_panels(results: Results, scene: Scene) -> Iterator[Panel | None]:
+    """Of each sensor; of those that ride on one frame, together."""
+    groups: dict[str, list[SceneUnit]] = {}
+    for sensor in units_of(scene, "UltrasonicSensor"):
+        carrier = source_of(scene, sensor.position)
+        groups.setdefault(carrier.name if carrier else sensor.name, []).append(sensor)
+    for carrier, sensors in groups.items():
+        try:
+            if len(sensors) == 1:
+                yield _range_panel(results, scene, sensors[0])
+            else:
+                yield _ranges_panel(results, scene, carrier, sensors)
+        except KeyError:
+            yield None
+
+
+def _range_panel(results: Results, scene: Scene, sensor: SceneUnit) -> Panel:
+    """The distance from the sensor to the nearest surface, and the pings; raises KeyError for what is not recorded."""
+    distance, valid, sequence = (
+        series(results, scene, f"{sensor.name}.{v}") for v in ("distance", "valid", "sequence")
+    )
+    rows = np.flatnonzero(np.diff(sequence)) + 1
     heard, silent = rows[valid[rows]], rows[~valid[rows]]
-    panel = Panel(f"{unit}: distance", "m")
-    panel.curves.append(("true", np.linalg.norm(center - sensor, axis=1) - radius))
+    panel = Panel(f"{sensor.name}: distance", "m")
+    panel.curves.append(("true", true_distance(results, scene, sensor)))
     panel.dots.append(("heard", results.time[heard], distance[heard]))
     panel.dots.append(("no echo", results.time[silent], distance[silent]))
     return panel
+
+
+def _ranges_panel(results: Results, scene: Scene, carrier: str, sensors: list[SceneUnit]) -> Panel:
+    """What several sensors in one place say, beside the distance to the nearest surface."""
+    said = [(sensor.name, series(results, scene, f"{sensor.name}.distance")) for sensor in sensors]
+    return Panel(f"{carrier}: distance", "m", [("true", true_distance(results, scene, sensors[0])), *said], wide=True)
 
 
 def _group_panel(results: Results, unit: str, group: tuple[str, str, float, dict[str, str]]) -> Panel | None:
@@ -110,7 +139,7 @@ def _group_panel(results: Results, unit: str, group: tuple[str, str, float, dict
 
 def _plain_panel(results: Results, name: str) -> Panel | None:
     values = results[name].reshape(len(results), -1)
-    if values.shape[1] > len(COLORS) or not np.any(np.ptp(values, axis=0) > 0.0):
+    if values.shape[1] > MOST_ELEMENTS or not np.any(np.ptp(values, axis=0) > 0.0):
         return None
     labels = AXES.get(values.shape[1], [""])
     unit, variable = name.split(".")
@@ -120,8 +149,13 @@ def _plain_panel(results: Results, name: str) -> Panel | None:
 
 
 def _draw(ax: Axes, time: np.ndarray, panel: Panel) -> None:
-    for (label, values), color in zip(panel.curves, COLORS, strict=False):
-        ax.plot(time, values, color=color, linewidth=1.4, label=label)
+    looks = [{"linewidth": 1.4, "alpha": 1.0}] * len(panel.curves)
+    if panel.wide:
+        # what lies under a curve is seen on both sides of it
+        widths = 1.2 + 0.8 * np.arange(len(panel.curves) - 2, -1, -1)
+        looks = [{"linewidth": 9.0, "alpha": 0.25}, *({"linewidth": width, "alpha": 1.0} for width in widths)]
+    for (label, values), color, look in zip(panel.curves, COLORS, looks, strict=False):
+        ax.plot(time, values, color=color, label=label, **look)
     for (label, times, values), color, mark in zip(panel.dots, COLORS[1:], (".", "x"), strict=False):
         ax.plot(times, values, mark, color=color, markersize=4, label=label)
     ax.set_title(panel.title, fontsize=10, loc="left")
@@ -134,7 +168,7 @@ def _draw(ax: Axes, time: np.ndarray, panel: Panel) -> None:
         ax.legend(
             fontsize=8,
             frameon=False,
-            ncols=4,
+            ncols=6 if panel.wide else 4,
             loc="lower right",
             bbox_to_anchor=(1.02, 0.96),
             handlelength=0.9,

@@ -8,6 +8,7 @@ from typing import Any
 from .adaptive import Controlled
 from .connections import Bond, Connection, End, Frame, Signal, connect_ends, connect_frames
 from .coupling import Coupling
+from .hearing import pairs_of_bursts
 from .joints import Joint, make_joint, wrench_ends
 from .masters import MASTERS
 from .names import unknown
@@ -152,14 +153,22 @@ class Scene:
         return unit
 
     def connect(
-        self, source: End | Frame, target: End | Frame, factor: float | None = None, offset: float | None = None
+        self,
+        source: End | Frame | str,
+        target: End | Frame | str,
+        factor: float | None = None,
+        offset: float | None = None,
     ) -> None:
         """Connects an output to an input, target = factor * source + offset, or two frames member by member.
+
+        Either may be given as `ball.position` or by its name, "ball.position". An array that a structural parameter
+        sizes, as a mesh, may be local to its unit too; it is moved as a whole, and once only if it is fixed.
 
         A factor is in the target's unit per unit of the source, so it may join different units; an offset is in the
         target's unit. Raises ValueError, naming both ends, if type, size, unit or direction do not fit, or if the
         input is driven already.
         """
+        source, target = (self._named(end) if isinstance(end, str) else end for end in (source, target))
         if isinstance(source, Frame) and isinstance(target, Frame):
             if (factor, offset) != (None, None):
                 raise ValueError(f"cannot connect {source} to {target} with a factor or an offset: these are frames")
@@ -172,6 +181,18 @@ class Scene:
             self._refuse_second(connection.target, f"connect {connection.source} to {connection.target}")
         self.connections += connections
         self.bonds += bonds
+
+    def _named(self, name: str) -> End | Frame:
+        unit, _, variable = name.partition(".")
+        return self[unit][variable]
+
+    def hear(self, *names: str) -> None:
+        """Lets ultrasonic sensors hear each other's bursts: connects the terminals `burst` and `foreign_N` of them all.
+
+        Raises KeyError for an unknown name, ValueError for a unit that is no such sensor, or that hears three already.
+        """
+        for source, target in pairs_of_bursts([self[name] for name in names], self.connections):
+            self.connect(source, target)
 
     def signal(self, target: End, function: Callable[[float], Any]) -> None:
         """Lets an input follow a function of time (s), which returns a number, or an array of the input's shape."""
@@ -217,7 +238,11 @@ class Scene:
 
     def loops(self) -> list[Loop]:
         """The loops of the connections, and where the master `gauss_seidel` opens them."""
-        return find_loops(list(self.units), self.connections)
+        return find_loops(list(self.units), self._moving())
+
+    def _moving(self) -> list[Connection]:
+        """The connections whose values change, which make the order of the units."""
+        return [connection for connection in self.connections if not connection.once]
 
     def run(
         self,
@@ -257,7 +282,7 @@ class Scene:
             unit.initialize(start)
         recorded = list(self._recorded) or [end for unit in self.units.values() for end in unit.outputs()]
         slaves = {name: unit.slave for name, unit in self.units.items()}
-        order = step_order(list(self.units), self.connections)
+        order = step_order(list(self.units), self._moving())
         coupling = Coupling(slaves, order, self.connections, self.signals, recorded, self.bonds, self.joints)
         coupling.step.value = step
         loops = self.loops()

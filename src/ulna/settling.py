@@ -25,6 +25,7 @@ def settle(coupling: Coupling, start: float, algebraic: Sequence[Loop], *, newto
     fault, and returns None.
     """
     coupling.time.value = start
+    coupling.call(coupling.once())
     # Where a loop is opened, the first pass takes what the unit puts out for the start values of its own inputs.
     coupling.run(coupling.reading(), start)
     passes = _solved(coupling, start) if newton and algebraic else _settled_after(coupling, start)

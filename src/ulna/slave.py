@@ -298,6 +298,9 @@ class Slave:
     def restore(self, state: c_void_p) -> None:
         """Back to a saved state, which stays valid."""
         self._call("setFMUState", state)
+        if self._sizes:
+            self._sizes = {name: int(self.get(name)) for name in self._sizes}
+            self._ports.clear()
 
     def rollback_calls(self) -> tuple[Invocation, Invocation]:
         """The call that saves the state, always into one place, and the call that goes back there.

@@ -22,6 +22,7 @@ from .plot import panels
 from .results import Results
 from .scene import Scene, SceneUnit
 from .skeleton import rotate
+from .targets import nearest_points
 
 SOURCES = PACKAGE / "viewer"
 BUNDLES = (SOURCES / "bundle.js", CHECKOUT / "build" / "viewer" / "bundle.js")
@@ -79,7 +80,7 @@ def pings(results: Results, scene: Scene, sensor: SceneUnit) -> Pings:
     heard, distance, start, orientation = heard[rows], distance[rows], position[rows], orientation[rows]
     direction = rotate(orientation, np.array([1.0, 0.0, 0.0]))
     miss = np.where(heard, np.inf, -np.inf)
-    for nearest in _nearest_points(results, scene, sensor, rows, start):
+    for nearest in nearest_points(results, scene, sensor, rows, start):
         way = nearest - start
         length = np.linalg.norm(way, axis=1)
         length[length == 0.0] = np.nan
@@ -87,44 +88,6 @@ def pings(results: Results, scene: Scene, sensor: SceneUnit) -> Pings:
         direction = np.where(nearer[:, None], way / length[:, None], direction)
         miss = np.where(nearer, np.abs(length - distance), miss)
     return Pings(results.time[rows], heard, start, start + distance[:, None] * direction)
-
-
-def _nearest_points(results: Results, scene: Scene, sensor: SceneUnit, rows: np.ndarray, start: np.ndarray):
-    """Of each target that there is and whose place was recorded, the point nearest to the sensor at some rows."""
-
-    def values(name: str) -> np.ndarray:
-        return series(results, scene, f"{sensor.name}.{name}")[rows]
-
-    def plane() -> np.ndarray:
-        normal = values("plane_normal")
-        square = np.sum(normal**2, axis=1, keepdims=True)
-        height = np.sum((start - values("plane_point")) * normal, axis=1, keepdims=True)
-        return start - height * normal / np.where(square > 0.0, square, np.nan)
-
-    def on_ball(center: np.ndarray, radius: np.ndarray) -> np.ndarray:
-        way = center - start
-        length = np.linalg.norm(way, axis=1)
-        there = (radius > 0.0) & (length > 0.0)
-        return start + way * np.where(there, 1.0 - radius / np.where(there, length, 1.0), np.nan)[:, None]
-
-    def capsule(name: str) -> np.ndarray:
-        first, second = values(f"{name}_start"), values(f"{name}_end")
-        axis = second - first
-        square = np.sum(axis**2, axis=1, keepdims=True)
-        share = np.sum((start - first) * axis, axis=1, keepdims=True) / np.where(square > 0.0, square, 1.0)
-        return on_ball(first + np.clip(share, 0.0, 1.0) * axis, values(f"{name}_radius"))
-
-    targets = (
-        lambda: on_ball(values("sphere_center"), values("sphere_radius")),
-        plane,
-        lambda: capsule("capsule_1"),
-        lambda: capsule("capsule_2"),
-    )
-    for target in targets:
-        try:
-            yield target()
-        except KeyError:
-            continue
 
 
 def _run(results: Results, scene: Scene) -> dict[str, Any]:

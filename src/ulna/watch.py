@@ -36,7 +36,7 @@ class Watch:
     def __init__(self, coupling: Coupling):
         """For a coupling that a master has made ready."""
         self._coupling, self._lines = coupling, coupling.lines
-        watched = [c for c in coupling.connections if _is_float64(coupling, c)]
+        watched = [c for c in coupling.connections if not c.whole and _is_float64(coupling, c)]
         self._names = [str(connection) for connection in watched]
         columns = [np.arange(*coupling.place(c.source)[1:]) for c in watched]
         self._columns = np.concatenate([np.zeros(0, int), *columns])

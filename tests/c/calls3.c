@@ -11,11 +11,6 @@ static int enter_initialization(Slave *slave)
     return slave_enter_initialization(slave, 0.0, NULL);
 }
 
-static int exit_configuration(Slave *slave)
-{
-    return (int)fmi3ExitConfigurationMode(slave->instance);
-}
-
 static int enter_event_mode(Slave *slave)
 {
     return (int)fmi3EnterEventMode(slave->instance);
@@ -100,6 +95,49 @@ static int set_fixed_parameter(Slave *slave)
     return status == OK ? slave_set(slave, parameter, values) : status;
 }
 
+/* Of a unit without clocks: of none. */
+static int get_clock(Slave *slave)
+{
+    const Variable *clock = pick(CLOCK, INPUT, -1);
+    fmi3Clock value;
+    return (int)fmi3GetClock(slave->instance, clock ? &clock->reference : NULL, clock != NULL, &value);
+}
+
+static int set_clock(Slave *slave)
+{
+    const Variable *clock = pick(CLOCK, INPUT, -1);
+    return (int)fmi3SetClock(slave->instance, clock ? &clock->reference : NULL, clock != NULL, (fmi3Clock[]){false});
+}
+
+static const Variable *countdown(void)
+{
+    const Subject *unit = subject();
+    for (size_t i = 0; i < unit->variable_count; i++) {
+        if (unit->variables[i].countdown) {
+            return &unit->variables[i];
+        }
+    }
+    return NULL;
+}
+
+static int get_interval(Slave *slave)
+{
+    const Variable *clock = countdown();
+    double interval;
+    fmi3IntervalQualifier qualifier;
+    return (int)fmi3GetIntervalDecimal(slave->instance, clock ? &clock->reference : NULL, clock != NULL, &interval,
+                                       &qualifier);
+}
+
+static int get_interval_fraction(Slave *slave)
+{
+    const Variable *clock = countdown();
+    fmi3UInt64 counter, resolution;
+    fmi3IntervalQualifier qualifier;
+    return (int)fmi3GetIntervalFraction(slave->instance, clock ? &clock->reference : NULL, clock != NULL, &counter,
+                                        &resolution, &qualifier);
+}
+
 static int set_debug_logging(Slave *slave)
 {
     return (int)fmi3SetDebugLogging(slave->instance, false, 0, NULL);
@@ -115,7 +153,7 @@ const Call calls[] = {
     {"fmi3SetDebugLogging", set_debug_logging, ANY_KIND, ANY_MODE, 0},
     {"fmi3Reset", slave_reset, ANY_KIND, ANY_MODE, 0},
     {"fmi3EnterConfigurationMode", slave_enter_configuration, ANY_KIND, INSTANTIATED, ANY_MODE & ~INSTANTIATED},
-    {"fmi3ExitConfigurationMode", exit_configuration, ANY_KIND, CONFIGURATION, ANY_MODE & ~CONFIGURATION},
+    {"fmi3ExitConfigurationMode", slave_exit_configuration, ANY_KIND, CONFIGURATION, ANY_MODE & ~CONFIGURATION},
     {"fmi3EnterInitializationMode", enter_initialization, ANY_KIND, INSTANTIATED, ANY_MODE & ~INSTANTIATED},
     {"fmi3ExitInitializationMode", slave_exit_initialization, ANY_KIND, INITIALIZATION, ANY_MODE & ~INITIALIZATION},
     {"fmi3Terminate", slave_terminate, ANY_KIND, RUNNING, ANY_MODE & ~RUNNING},
@@ -136,6 +174,11 @@ const Call calls[] = {
     {"fmi3GetContinuousStates", get_states, MODEL_EXCHANGE, READABLE, INSTANTIATED | CONFIGURATION},
     {"fmi3GetContinuousStateDerivatives", get_derivatives, MODEL_EXCHANGE, READABLE, INSTANTIATED | CONFIGURATION},
     {"fmi3GetNominalsOfContinuousStates", get_nominals, MODEL_EXCHANGE, READABLE, INSTANTIATED | CONFIGURATION},
+    {"fmi3GetClock", get_clock, ANY_KIND, EVENT, ANY_MODE & ~EVENT},
+    {"fmi3SetClock", set_clock, ANY_KIND, EVENT, ANY_MODE & ~EVENT},
+    {"fmi3GetIntervalDecimal", get_interval, ANY_KIND, INITIALIZATION | EVENT, ANY_MODE & ~(INITIALIZATION | EVENT)},
+    {"fmi3GetIntervalFraction", get_interval_fraction, ANY_KIND, INITIALIZATION | EVENT,
+     ANY_MODE & ~(INITIALIZATION | EVENT)},
     {"fmi3DoStep", do_step, ANY_KIND, STEP, ANY_MODE & ~STEP},
     {"fmi3GetFloat64", get_output, ANY_KIND, READABLE, INSTANTIATED | CONFIGURATION},
     {"fmi3SetFloat64", set_input, ANY_KIND, INSTANTIATED | INITIALIZATION | RUNNING, CONFIGURATION | TERMINATED},

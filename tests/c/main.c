@@ -11,7 +11,7 @@ static const struct {
 } tests[] = {
     {"life_cycle", test_life_cycle}, {"modes", test_modes},   {"values", test_values},
     {"time", test_time},             {"arguments", test_arguments}, {"states", test_states},
-    {"memory", test_memory},         {"threads", test_threads}, {"random_calls", test_random_calls},
+    {"arrays", test_arrays},         {"memory", test_memory},         {"threads", test_threads}, {"random_calls", test_random_calls},
 };
 
 int main(int argc, char **argv)

@@ -29,9 +29,11 @@ void random_values(uint64_t *random, const Variable *variable, double *values)
         double value = low + (high - low) * random_fraction(random);
         if (variable->quaternion) {
             value = (k ? 0.0 : 1.0) + 0.2 * (random_fraction(random) - 0.5);
-        } else if (variable->type == BOOLEAN) {
+        } else if (variable->type == BOOLEAN || variable->type == CLOCK) {
             value = (double)(random_bits(random) >> 63);
-        } else if (variable->type != FLOAT64) {
+        } else if (variable->type == INT32 && variable->size_of) {
+            value = 0.0; /* of one vertex, the only one there is at the start */
+        } else if (variable->type != FLOAT64 && variable->type != FLOAT32) {
             value = floor(value);
         }
         values[k] = value;
@@ -40,7 +42,7 @@ void random_values(uint64_t *random, const Variable *variable, double *values)
 
 bool is_readable(const Variable *variable)
 {
-    return variable->causality != MEMORY && variable->group != STREAM;
+    return variable->causality != MEMORY && variable->group != STREAM && variable->type != CLOCK && slave_has(variable);
 }
 
 static void digest_bytes(Run *run, const void *bytes, size_t size)
@@ -62,7 +64,7 @@ static void set_inputs(Run *run)
     for (size_t i = 0; i < unit->variable_count; i++) {
         const Variable *variable = &unit->variables[i];
         bool discrete = variable->variability == DISCRETE;
-        if (variable->causality == INPUT && !(discrete && run->slave->kind == MODEL_EXCHANGE)) {
+        if (variable->causality == INPUT && is_readable(variable) && !(discrete && run->slave->kind == MODEL_EXCHANGE)) {
             double values[MAX_ELEMENTS];
             random_values(&run->random, variable, values);
             expect_ok(run, slave_set(run->slave, variable, values));

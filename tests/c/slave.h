@@ -39,11 +39,15 @@ int slave_enter_continuous_time(Slave *slave);
 
 /* An error where the version has no such mode. */
 int slave_enter_configuration(Slave *slave);
+int slave_exit_configuration(Slave *slave);
 int slave_terminate(Slave *slave);
 int slave_reset(Slave *slave);
 
 /* Initialized and ready to run: in Step Mode, or in Continuous-Time Mode. */
 void slave_start(Slave *slave);
+
+/* Whether the version shows it: FMI 2 no stream, no clock, and no array that a structural parameter sizes. */
+bool slave_has(const Variable *variable);
 
 /* All elements of a variable that is no stream, as doubles. */
 int slave_get(Slave *slave, const Variable *variable, double *values);

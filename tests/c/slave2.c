@@ -65,6 +65,12 @@ int slave_enter_configuration(Slave *slave)
     return ERROR;
 }
 
+int slave_exit_configuration(Slave *slave)
+{
+    (void)slave;
+    return ERROR;
+}
+
 int slave_terminate(Slave *slave)
 {
     return (int)fmi2Terminate(slave->instance);
@@ -73,6 +79,11 @@ int slave_terminate(Slave *slave)
 int slave_reset(Slave *slave)
 {
     return (int)fmi2Reset(slave->instance);
+}
+
+bool slave_has(const Variable *variable)
+{
+    return is_field(variable) && variable->type != CLOCK;
 }
 
 static void list_references(const Variable *variable, fmi2ValueReference *references)

@@ -59,6 +59,11 @@ int slave_enter_configuration(Slave *slave)
     return (int)fmi3EnterConfigurationMode(slave->instance);
 }
 
+int slave_exit_configuration(Slave *slave)
+{
+    return (int)fmi3ExitConfigurationMode(slave->instance);
+}
+
 int slave_terminate(Slave *slave)
 {
     return (int)fmi3Terminate(slave->instance);
@@ -67,6 +72,21 @@ int slave_terminate(Slave *slave)
 int slave_reset(Slave *slave)
 {
     return (int)fmi3Reset(slave->instance);
+}
+
+bool slave_has(const Variable *variable)
+{
+    (void)variable;
+    return true;
+}
+
+static int move_clock(Slave *slave, const Variable *variable, double *value, bool set)
+{
+    fmi3Clock clock = set && *value > 0.0;
+    fmi3Status status = set ? fmi3SetClock(slave->instance, &variable->reference, 1, &clock)
+                            : fmi3GetClock(slave->instance, &variable->reference, 1, &clock);
+    *value = clock;
+    return (int)status;
 }
 
 /* One variable of a type that is no double, there and back through doubles. */
@@ -107,6 +127,7 @@ int slave_get(Slave *slave, const Variable *variable, double *values)
     case BOOLEAN: GET(Boolean)
     case ENUMERATION: GET(Int64)
     case BINARY: return move_binary(slave, variable, false);
+    case CLOCK: return move_clock(slave, variable, values, false);
     case VALUE_TYPES: break;
     }
     return ERROR;
@@ -122,6 +143,7 @@ int slave_set(Slave *slave, const Variable *variable, const double *values)
     case BOOLEAN: SET(Boolean)
     case ENUMERATION: SET(Int64)
     case BINARY: return move_binary(slave, variable, true);
+    case CLOCK: return move_clock(slave, variable, &(double){values[0]}, true);
     case VALUE_TYPES: break;
     }
     return ERROR;

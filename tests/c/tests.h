@@ -7,6 +7,7 @@ void test_modes(void);
 void test_values(void);
 void test_time(void);
 void test_arguments(void);
+void test_arrays(void);
 void test_states(void);
 void test_memory(void);
 void test_threads(void);

@@ -157,8 +157,9 @@ class Raw:
         self._moved("set", variable, [kinds.get(variable.type, int)(value) for value in np.atleast_1d(values)])
 
     def of(self, causality: str, *types: str) -> list[Variable]:
-        """Its variables of a causality, of these types (all, if none is given); time is none of them."""
-        return [v for v in self.variables.values() if v.causality == causality and (not types or v.type in types)]
+        """Its variables of a causality, of these types (all but clocks, if none is given); time is none of them."""
+        found = [v for v in self.variables.values() if v.causality == causality]
+        return [v for v in found if (v.type in types if types else v.type != "Clock")]
 
     def reals(self, causality: str) -> list[Variable]:
         """Its floating-point variables (64 bit) of a causality."""
@@ -229,6 +230,8 @@ def random_values(variable: Variable, random: np.random.Generator) -> np.ndarray
     """Values of a variable within its limits [size]; for quaternions of a norm near one."""
     if "orientation" in variable.name:
         return np.array([1.0, 0.0, 0.0, 0.0]) + 0.2 * random.uniform(-1, 1, 4)
+    if variable.name == "surface_triangles":
+        return np.zeros(variable.size)  # of one vertex, the only one there is at the start
     if variable.type == "Boolean":
         return random.integers(0, 2, variable.size)
     if variable.type == "Enumeration":

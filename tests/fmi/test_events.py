@@ -20,9 +20,9 @@ class Seen:
     announced: list[float]
 
 
-def started(version: str = "3.0", **options: bool) -> Raw:
+def started(version: str = "3.0", latency: float = 0.0, **options: bool) -> Raw:
     sensor = Raw("UltrasonicSensor", version, **options)
-    for name, value in WALL.items():
+    for name, value in (WALL | {"trigger_latency": latency}).items():
         sensor.set(name, value)
     sensor.set("sphere_velocity", [-1.0, 0.0, 0.0])
     sensor.set("sphere_radius", 0.1)
@@ -50,9 +50,9 @@ def points_of(step: float | None, end: float) -> list[float]:
     return [*(step * np.arange(1, round(np.ceil(end / step - 1e-9)))), end]
 
 
-def with_event_mode(early_return: bool, step: float | None, end: float) -> Seen:
+def with_event_mode(early_return: bool, step: float | None, end: float, latency: float = 0.0) -> Seen:
     seen = Seen({}, [], [])
-    with started(eventModeUsed=True, earlyReturnAllowed=early_return) as sensor:
+    with started(latency=latency, eventModeUsed=True, earlyReturnAllowed=early_return) as sensor:
         settle(sensor, seen.announced)
         time = 0.0
         for point in points_of(step, end):
@@ -72,8 +72,10 @@ def with_event_mode(early_return: bool, step: float | None, end: float) -> Seen:
     return seen
 
 
-def without_event_mode(step: float | None, end: float, version: str = "3.0") -> dict[float, list[bytes]]:
-    with started(version) as sensor:
+def without_event_mode(
+    step: float | None, end: float, version: str = "3.0", latency: float = 0.0
+) -> dict[float, list[bytes]]:
+    with started(version, latency) as sensor:
         rows, time = {}, 0.0
         for point in points_of(step, end):
             sensor.doStep(time, point - time)
@@ -92,21 +94,31 @@ def by_number(rows: dict[float, list[bytes]]) -> dict[int, list[bytes]]:
 
 
 MODES = {
-    "FMI 2.0": lambda step: without_event_mode(step, 0.5, "2.0"),
-    "FMI 3.0": lambda step: without_event_mode(step, 0.5),
-    "event mode": lambda step: with_event_mode(False, step, 0.5).rows,
-    "early return": lambda step: with_event_mode(True, step, 0.5).rows,
+    "FMI 2.0": lambda step, latency: without_event_mode(step, 0.5, "2.0", latency),
+    "FMI 3.0": lambda step, latency: without_event_mode(step, 0.5, "3.0", latency),
+    "event mode": lambda step, latency: with_event_mode(False, step, 0.5, latency).rows,
+    "early return": lambda step, latency: with_event_mode(True, step, 0.5, latency).rows,
 }
 
 
+@pytest.mark.parametrize("latency", [0.0, 0.0023])
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("step", [0.001, 0.007, 0.1, None])
-def test_every_mode_hears_the_same_pings_at_any_step(mode, step):
-    pings = by_number(without_event_mode(0.001, 0.5))
-    seen = by_number(MODES[mode](step))
+def test_every_mode_hears_the_same_pings_at_any_step(mode, step, latency):
+    pings = by_number(without_event_mode(0.001, 0.5, latency=latency))
+    seen = by_number(MODES[mode](step, latency))
     assert len(pings) == 0.5 // PERIOD + 2  # and the state before the first
     assert max(seen) == max(pings)
     assert all(seen[number] == pings[number] for number in seen)
+
+
+def test_a_burst_is_an_event_of_its_own():
+    seen = with_event_mode(True, 0.5, 0.5, latency=0.0023)
+    # a ping every period, its burst the latency later, its end a flight later; the ping at 0 starts before the step
+    ticks = PERIOD * np.arange(9)
+    np.testing.assert_allclose(seen.early[2::3], ticks[1:], rtol=1e-15)
+    np.testing.assert_allclose(seen.early[0::3], ticks + 0.0023, rtol=1e-15)
+    assert seen.early == seen.announced[: len(seen.early)]
 
 
 @pytest.mark.parametrize("step", [0.01, 0.025, 0.07, 0.5])

@@ -47,6 +47,18 @@ stream = true
 description = "Points"
 """
 
+SURFACE = """
+[input.surface]
+size = ["count"]
+description = "Surface"
+"""
+
+TICK = """
+[input.tick]
+type = "Clock"
+description = "Tick"
+"""
+
 # What is changed in the good one, into what, and the words that the message must hold.
 WRONG = {
     "unknown key": ('"Gain"', '"Gain", colour = "red"', r"parameter\.gain.*unknown key colour.*known:.*unit"),
@@ -69,6 +81,47 @@ WRONG = {
     "size by what is no structural parameter": ('[3, "count"]', '[3, "gain"]', r"points.*gain.*structural parameter"),
     "size by nothing": ('[3, "count"]', '[3, "cuont"]', r"points.*cuont.*structural parameter"),
     "array sized by a structural parameter": ("stream = true\n", "", r"local\.points.*only a stream"),
+    "array sized by two": ('[3, "count"]', '["count", "count"]', r"local\.points.*more than one dimension"),
+    "array that starts at a value": (
+        "\n[local.points]",
+        f"{SURFACE}start = 1.0\n[local.points]",
+        r"input\.surface.*starts at zero",
+    ),
+    "array without a largest size": ("\n[local.points]", f"{SURFACE}[local.points]", r"surface.*'count'.*have a max"),
+    "array of no element": ("start = 4, min = 1", "start = 0, min = 0", r"points.*'count'.*starts at 1 or more"),
+    "size by no UInt64": ('"UInt64", start = 4', '"Int32", start = 4', r"points.*'count'.*UInt64"),
+    "array that would be differentiated": (
+        'sources = ["unit.c"]\n',
+        'sources = ["unit.c"]\ndirectional_derivatives = true\n[input.surface]\nsize = ["count"]\n'
+        'description = "Surface"\n',
+        r"surface.*no directional derivative",
+    ),
+    "clock of no interval": (
+        "\n[local.points]",
+        f"{TICK}[local.points]",
+        r"input\.tick.*Clock, of no interval.*countdown",
+    ),
+    "clock of a wrong interval": (
+        "\n[local.points]",
+        f'{TICK}interval = "daily"\n[local.points]',
+        r"input\.tick.*Clock, of no interval.*triggered",
+    ),
+    "clock that is an output": (
+        "\n[local.points]",
+        f'{TICK}interval = "triggered"\n[local.points]'.replace("input.tick", "output.tick"),
+        r"output\.tick.*no scalar input",
+    ),
+    "array of clocks": (
+        "\n[local.points]",
+        f'{TICK}interval = "triggered"\nsize = 3\n[local.points]',
+        r"input\.tick.*no scalar input",
+    ),
+    "clock of a unit without events": (
+        "\n[local.points]",
+        f'{TICK}interval = "triggered"\n[local.points]',
+        r"tick is a Clock, but the unit has no events",
+    ),
+    "interval of no clock": ('"Gain"', '"Gain", interval = "countdown"', r"parameter\.gain.*no Clock"),
     "text that is no TOML": ('name = "Toy"', "name = Toy", r"Invalid value"),
     "no name": ('name = "Toy"', 'name = ""', r"name is missing"),
     "no description of the unit": ('description = "A toy"', 'description = ""', r"description is missing"),
@@ -126,13 +179,24 @@ def test_a_good_declaration_is_read_whole(loaded):
     assert unit.by_name("force_rate").terminal == ("plug.force_rate",)
 
 
+def test_a_countdown_clock_brings_what_is_remembered_of_it(loaded):
+    clock = f'{TICK}interval = "countdown"\n[local.points]'
+    unit = loaded(GOOD.replace("\n[local.points]", clock).replace("kinds =", "events = true\nkinds ="))
+    place = unit.variables.index(unit.by_name("tick"))
+    rows = unit.variables[place : place + 3]
+    assert [v.name for v in rows] == ["tick", "tick_tick", "tick_interval"]
+    assert [v.causality for v in rows] == ["input", "memory", "memory"]
+    assert unit.by_name("tick").fmi == (3,)
+
+
 @each_unit
 def test_value_references_count_the_scalars(name):
     """So that one number finds an element in FMI 2 and its array in FMI 3."""
     expected = 0
     for variable in declaration(name).variables:
         assert variable.reference == expected
-        expected += 1 if variable.stream else variable.count
+        changes_size = any(isinstance(extent, str) for extent in variable.size)
+        expected += 1 if variable.stream or changes_size else variable.count
 
 
 @each_unit

@@ -2,7 +2,7 @@
 
 import pytest
 
-from ulna.stability import measure, measure_coupling, measure_skin
+from ulna.stability import measure, measure_coupling, measure_sensor, measure_skin
 
 
 @pytest.fixture(scope="session")
@@ -18,3 +18,8 @@ def coupled() -> dict:
 @pytest.fixture(scope="session")
 def skins() -> dict:
     return measure_skin(quick=True)
+
+
+@pytest.fixture(scope="session")
+def sensed() -> dict:
+    return measure_sensor(quick=True)

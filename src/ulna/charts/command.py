@@ -10,10 +10,11 @@ from rich.table import Table
 from ..names import unknown
 from .coupling import coupling
 from .rigid_body import rigid_body
+from .sensor import sensor
 from .skin import skin
 from .statements import Statement
 
-CHARTS = {"rigid-body": rigid_body, "coupling": coupling, "skin": skin}
+CHARTS = {"rigid-body": rigid_body, "coupling": coupling, "skin": skin, "sensor": sensor}
 
 
 def chart(
@@ -21,7 +22,7 @@ def chart(
     quick: Annotated[bool, typer.Option("--quick", help="Fewer points and repeats, within a minute.")] = False,
     out: Annotated[Path | None, typer.Option(help="Folder to write to; default: results/chart-CHART.")] = None,
 ) -> None:
-    """Draws accuracy against time: of every solver beside other libraries, every way to couple an arm, every skin."""
+    """Draws accuracy against time: of solvers beside other libraries, couplings of an arm, skins, the sensor."""
     console = Console()
     if name not in CHARTS:
         raise typer.BadParameter(unknown("ulna", "chart", name, CHARTS))

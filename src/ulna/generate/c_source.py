@@ -10,6 +10,7 @@ C_TYPES = {
     "Int32": "int32_t",
     "UInt64": "uint64_t",
     "Boolean": "bool",
+    "Clock": "bool",
     "Enumeration": "int64_t",
 }
 NUMBER_TYPES = {
@@ -20,6 +21,7 @@ NUMBER_TYPES = {
     "Boolean": "BOOLEAN",
     "Enumeration": "ENUMERATION",
     "Binary": "BINARY",
+    "Clock": "CLOCK",
 }
 CAUSALITIES = {
     "independent": "INDEPENDENT",
@@ -64,6 +66,7 @@ def variables_header(unit: Declaration) -> str:
         f"#define {upper}_VARIABLES_H",
         "",
         "#include <stdbool.h>",
+        "#include <stddef.h>",
         "#include <stdint.h>",
         "",
         '#include "vector.h"',
@@ -71,7 +74,7 @@ def variables_header(unit: Declaration) -> str:
         f"typedef struct {unit.name} {{",
     ]
     for v in unit.variables:
-        if not v.stream:
+        if not v.stream and not v.sized:
             note = f"{v.description} [{v.unit}]" if v.type == "Float64" else v.description
             lines.append(f"    {_field(v)} /* {note.strip()} */")
     lines += [f"}} {unit.name};", ""]
@@ -83,8 +86,40 @@ def variables_header(unit: Declaration) -> str:
     lines.append("/* Places in the table of variables. */")
     lines.append("enum {")
     lines += [f"    {upper}_{v.field.upper()} = {i}," for i, v in enumerate(unit.variables)]
-    lines += ["};", "", "#endif", ""]
+    lines += ["};", "", *_arrays(unit), "#endif", ""]
     return "\n".join(lines)
+
+
+def _arrays(unit: Declaration) -> list[str]:
+    """Where the arrays lie that structural parameters size: behind the struct, each at a multiple of 8 bytes."""
+    if not unit.sized:
+        return []
+    lines = [
+        "/* Where an array lies that a structural parameter sizes, bytes from the struct; else where they all end. */",
+        f"static inline size_t {unit.snake}_array(const {unit.name} *values, size_t variable)",
+        "{",
+        "    size_t place = (sizeof *values + 7) / 8 * 8;",
+    ]
+    for v in unit.sized:
+        lines += [
+            f"    if (variable == {unit.snake.upper()}_{v.field.upper()}) {{",
+            "        return place;",
+            "    }",
+            f"    place += ({v.count} * (size_t)values->{v.extents[0]} * sizeof({C_TYPES[v.type]}) + 7) / 8 * 8;",
+        ]
+    lines += ["    return place;", "}", ""]
+    for v in unit.sized:
+        size = " x ".join(map(str, v.size))
+        lines += [
+            f"/* {v.description} [{v.unit}]: {size} */",
+            f"static inline const {C_TYPES[v.type]} *{unit.snake}_{v.field}(const {unit.name} *values)",
+            "{",
+            f"    size_t place = {unit.snake}_array(values, {unit.snake.upper()}_{v.field.upper()});",
+            f"    return (const {C_TYPES[v.type]} *)(const void *)((const char *)values + place);",
+            "}",
+            "",
+        ]
+    return lines
 
 
 def _number(value: float) -> str:
@@ -101,7 +136,6 @@ def _limits(unit: Declaration, v: Variable) -> tuple[float, float]:
 
 def _row(unit: Declaration, v: Variable, places: dict[str, int]) -> str:
     group = "STREAM" if v.stream else str(unit.groups.index(v.group)) if v.group else "NO_GROUP"
-    extents = [n for n in v.size if isinstance(n, str)]
     minimum, maximum = _limits(unit, v)
     cells = [
         f'"{v.name}"',
@@ -113,10 +147,11 @@ def _row(unit: Declaration, v: Variable, places: dict[str, int]) -> str:
         str(places[v.rate]) if v.rate else "NO_VARIABLE",
         str(v.quaternion).lower(),
         str(v.state).lower(),
-        "0" if v.stream else f"offsetof({unit.name}, {v.field})",
+        str(v.interval == "countdown").lower(),
+        "0" if v.stream or v.sized else f"offsetof({unit.name}, {v.field})",
         str(v.reference),
         str(v.count),
-        f"offsetof({unit.name}, {extents[0]})" if extents else "0",
+        f"offsetof({unit.name}, {v.extents[0]})" if v.extents else "0",
         _number(minimum),
         _number(maximum),
         _number(v.nominal if v.nominal is not None else 1.0),
@@ -158,9 +193,9 @@ def table(unit: Declaration) -> str:
 
 
 def _literal(value: float | bool, kind: str) -> str:
-    if kind == "Boolean":
+    if kind in ("Boolean", "Clock"):
         return str(bool(value)).lower()
-    return repr(float(value)) if kind in ("Float64", "Float32") else str(int(value))
+    return _number(value) if kind in ("Float64", "Float32") else str(int(value))
 
 
 def _initial(v: Variable) -> str:
@@ -180,6 +215,13 @@ def _wrappers(unit: Declaration) -> tuple[list[str], dict[str, str]]:
             "next_event": ("double", "const void *values", f"return {mine}_next_event(values);"),
             "event": ("void", "void *values", f"{mine}_event(values);"),
         }
+    clocks = [v for v in unit.variables if v.type == "Clock"]
+    if clocks:
+        text = [f"{typed} *all = values;", *(f"all->{v.field} = false;" for v in clocks)]
+        signatures["deactivate_clocks"] = ("void", "void *values", "\n    ".join(text))
+    if any(v.interval == "countdown" for v in clocks):
+        arguments = "const void *values, size_t clock"
+        signatures["clock_time"] = ("double", arguments, f"return {mine}_clock_time(values, clock);")
     if unit.workspace:
         signatures |= {
             "workspace_size": ("size_t", "const void *values", f"return {mine}_workspace_size(values);"),
@@ -192,6 +234,12 @@ def _wrappers(unit: Declaration) -> tuple[list[str], dict[str, str]]:
     if unit.resources:
         arguments = "void *values, const char *resources, Log *log"
         signatures["start_from"] = ("Status", arguments, f"return {mine}_start(values, resources, log);")
+    if unit.sized:
+        signatures["array"] = (
+            "size_t",
+            "const void *values, size_t variable",
+            f"return {mine}_array(values, variable);",
+        )
     if any(v.stream for v in unit.variables):
         signatures["stream"] = (
             "void",
@@ -211,7 +259,7 @@ def _wrappers(unit: Declaration) -> tuple[list[str], dict[str, str]]:
 def unit_source(unit: Declaration, version: int, token: str) -> str:
     """`fmu.c`: all of an FMU in one translation unit, so that nothing but the FMI functions is visible outside."""
     wrappers, members = _wrappers(unit)
-    scalars = [i for i, v in enumerate(unit.variables) for _ in range(1 if v.stream else v.count)]
+    scalars = [i for i, v in enumerate(unit.variables) for _ in range(v.scalars)]
     if unit.directional_derivatives:
         members["directional"] = f"{unit.snake}_directional"
     lines = [
@@ -244,7 +292,7 @@ def unit_source(unit: Declaration, version: int, token: str) -> str:
         "};",
         "",
         f"static const {unit.name} start_values = {{",
-        *[_initial(v) for v in unit.variables if not v.stream],
+        *[_initial(v) for v in unit.variables if not v.stream and not v.sized],
         "};",
         "",
         "static const Unit unit = {",

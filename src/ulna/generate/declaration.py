@@ -1,5 +1,6 @@
 """Reading `unit.toml`, the one place where a unit's variables are declared."""
 
+import math
 import re
 import tomllib
 from dataclasses import dataclass, field
@@ -48,6 +49,7 @@ class Variable:
     group: str | None = None
     stream: bool = False
     mime_type: str = "application/octet-stream"
+    interval: str | None = None
     depends: tuple[str, ...] = ()
     terminal: tuple[str, ...] = ()
     fmi: tuple[int, ...] = (2, 3)
@@ -66,6 +68,21 @@ class Variable:
         for n in self.size:
             total *= n if isinstance(n, int) else 1
         return total
+
+    @property
+    def extents(self) -> tuple[str, ...]:
+        """The structural parameters among its dimensions."""
+        return tuple(n for n in self.size if isinstance(n, str))
+
+    @property
+    def sized(self) -> bool:
+        """True where a structural parameter sizes it and its values are kept: behind the C struct."""
+        return bool(self.extents) and not self.stream
+
+    @property
+    def scalars(self) -> int:
+        """How many value references it takes: one for each element of a fixed size."""
+        return 1 if self.stream or self.extents else self.count
 
     @property
     def settable(self) -> bool:
@@ -106,6 +123,11 @@ class Declaration:
         """Groups of computed variables, in the order of first use."""
         return list(dict.fromkeys(v.group for v in self.variables if v.group and not v.stream))
 
+    @property
+    def sized(self) -> list[Variable]:
+        """The arrays behind the C struct, in their order."""
+        return [v for v in self.variables if v.sized]
+
     def by_name(self, name: str) -> Variable:
         """The variable of that name; KeyError if there is none."""
         return next(v for v in self.variables if v.name == name)
@@ -119,7 +141,7 @@ def _start(entry: dict, count: int, enumerations: dict[str, dict[str, str]]) -> 
     if entry.get("quaternion"):
         default: object = [1.0, 0.0, 0.0, 0.0]
     else:
-        default = False if entry.get("type") == "Boolean" else 0.0
+        default = False if entry.get("type") in ("Boolean", "Clock") else 0.0
     start = entry.get("start", default)
     if "enumeration" in entry:
         one_of("enumeration", entry["enumeration"], enumerations)
@@ -146,6 +168,7 @@ def _variable(section: str, name: str, entry: dict, enumerations: dict[str, dict
     group = entry.get("group", "outputs") if computed else None
     floating = kind in ("Float64", "Float32")
     usual = "fixed" if "arameter" in causality else "continuous" if floating else "discrete"
+    only_3 = stream or kind == "Clock" or any(isinstance(n, str) for n in size)
     variable = Variable(
         name=name,
         causality=causality,
@@ -164,7 +187,8 @@ def _variable(section: str, name: str, entry: dict, enumerations: dict[str, dict
         stream=stream,
         depends=tuple(entry.get("depends", ())),
         terminal=_tuple(entry.get("terminal", [])),
-        fmi=(3,) if stream else tuple(entry.get("fmi", (2, 3))),
+        interval=entry.get("interval"),
+        fmi=(3,) if only_3 else tuple(entry.get("fmi", (2, 3))),
     )
     exponents(variable.unit)
     if not stream:
@@ -180,8 +204,14 @@ def _replace(variable: Variable, **changes: object) -> Variable:
     return Variable(**{**variable.__dict__, **changes})
 
 
+def _said_of(clock: Variable) -> list[Variable]:
+    """What an importer was told of a clock last: when it ticks, and the interval until then, below 0 for nothing."""
+    tick = Variable(name=f"{clock.name}_tick", causality="memory", unit="s", start=(-math.inf,))
+    return [tick, _replace(tick, name=f"{clock.name}_interval", start=(-1.0,))]
+
+
 def _with_companions(variable: Variable, entry: dict) -> list[Variable]:
-    """A variable followed by what comes with it: its slope, or its derivative."""
+    """A variable followed by what comes with it: its slope, its derivative, or what was said of it."""
     if entry.get("rate"):
         slope = Variable(
             name=f"{variable.name}_rate",
@@ -193,6 +223,8 @@ def _with_companions(variable: Variable, entry: dict) -> list[Variable]:
             terminal=tuple(f"{t}_rate" for t in variable.terminal),
         )
         return [_replace(variable, rate=slope.name), slope]
+    if variable.interval == "countdown":
+        return [variable, *_said_of(variable)]
     if variable.state:
         derivative = Variable(
             name=f"der({variable.name})",
@@ -233,7 +265,7 @@ def load(path: str | Path) -> Declaration:
     numbered = []
     for variable in variables:
         numbered.append(_replace(variable, reference=reference))
-        reference += 1 if variable.stream else variable.count
+        reference += variable.scalars
     declaration = Declaration(
         folder=path.parent,
         name=raw["name"],

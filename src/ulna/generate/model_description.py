@@ -1,5 +1,6 @@
 """`modelDescription.xml` for FMI 3.0 (arrays) and FMI 2.0 (arrays written out as scalars)."""
 
+import math
 from collections.abc import Iterator
 from xml.etree import ElementTree as ET
 
@@ -19,6 +20,10 @@ FMI2_TYPES = {
     "Boolean": "Boolean",
     "Enumeration": "Enumeration",
 }
+
+
+CLOCK_RESOLUTION = 2**50
+"""Of intervals as fractions, per second; the one that fmi3_clocks.c gives: finer than the rounding of a time."""
 
 
 def _text(value: float | bool | str) -> str:
@@ -41,8 +46,13 @@ def _start_text(variable: Variable, values: tuple[float, ...]) -> str:
     return " ".join(_text(number(x)) for x in values)
 
 
+def _start_values(unit: Declaration, v: Variable) -> tuple[float, ...]:
+    """As many as the start values of the structural parameters ask for."""
+    return v.start * math.prod(int(unit.by_name(name).start[0]) for name in v.extents)
+
+
 def _has_start(variable: Variable) -> bool:
-    return variable.settable
+    return variable.settable and variable.type != "Clock"
 
 
 def _limits(variable: Variable) -> dict[str, object]:
@@ -145,12 +155,18 @@ def _fmi3_variable(unit: Declaration, parent: ET.Element, v: Variable) -> None:
         description=v.description,
         causality=v.causality,
         variability=v.variability,
-        start=_start_text(v, v.start) if v.start and _has_start(v) else None,
+        start=_start_text(v, _start_values(unit, v)) if v.start and _has_start(v) else None,
         declaredType=v.enumeration,
         unit=v.unit if floating else None,
         **_limits(v),
         derivative=unit.by_name(v.derivative_of).reference if v.derivative_of else None,
     )
+    if v.type == "Clock":
+        element.set("intervalVariability", v.interval)
+        if v.interval == "countdown":
+            element.set("supportsFraction", "true")
+            element.set("resolution", str(CLOCK_RESOLUTION))
+        return
     if v.type == "Binary":
         # its size in bytes is no dimension: it is given with each value
         element.set("mimeType", v.mime_type)

@@ -17,7 +17,8 @@ OPTIONAL = (
     "terminal",
 )
 KINDS = ("co-simulation", "model-exchange")
-TYPES = ("Float64", "Float32", "Int32", "UInt64", "Boolean", "Enumeration", "Binary")
+TYPES = ("Float64", "Float32", "Int32", "UInt64", "Boolean", "Enumeration", "Binary", "Clock")
+INTERVALS = ("triggered", "countdown")
 VARIABILITIES = ("constant", "fixed", "tunable", "discrete", "continuous")
 C_KEYWORDS = frozenset(
     "auto break case char const continue default do double else enum extern float for goto if inline int long real "
@@ -57,11 +58,16 @@ RULES: tuple[tuple[Callable[["Variable"], bool], str], ...] = (
     (lambda v: not v.name.isidentifier() or v.name in C_KEYWORDS, "has a name that cannot be a field in C"),
     (lambda v: v.visible and not v.description, "has no description"),
     (
-        lambda v: not v.stream and any(isinstance(n, str) for n in v.size),
-        "has a dimension that is a structural parameter: only a stream may",
+        lambda v: v.sized and v.causality != "input",
+        "has a dimension that is a structural parameter: only a stream or an input may",
     ),
+    (lambda v: len(v.extents) > 1, "has more than one dimension that is a structural parameter"),
+    (lambda v: v.sized and any(v.start or ()), "has a size that can change, and so starts at zero"),
     (lambda v: any(isinstance(n, int) and n < 1 for n in v.size), "has a dimension below 1"),
     (lambda v: v.type == "Binary" and not v.stream, "is Binary, but no stream"),
+    (lambda v: v.type == "Clock" and (v.causality != "input" or bool(v.size)), "is a Clock, but no scalar input"),
+    (lambda v: v.type == "Clock" and v.interval not in INTERVALS, f"is a Clock, of no interval of {INTERVALS}"),
+    (lambda v: v.type != "Clock" and v.interval is not None, "has an interval, but is no Clock"),
     (lambda v: v.stream and v.causality != "local", "is a stream, but not local"),
     (lambda v: v.state and (v.causality != "output" or v.type != "Float64"), "is a state, but no Float64 output"),
     (lambda v: any(isinstance(x, str) for x in _numbers(v)), "has a start or a limit that is no number"),
@@ -90,7 +96,11 @@ def problems(declaration: "Declaration") -> Iterator[str]:
         if variable.name in names:
             yield f"{variable.name} is declared twice"
         names[variable.name] = variable
+    if declaration.directional_derivatives and declaration.sized:
+        yield f"{declaration.sized[0].name} is sized by a structural parameter, which no directional derivative knows"
     for variable in declaration.variables:
+        if variable.type == "Clock" and not declaration.events:
+            yield f"{variable.name} is a Clock, but the unit has no events"
         for used in variable.depends:
             source = names.get(used.rstrip("@"))
             if source is None or not (source.causality == "input" or source.state):
@@ -100,6 +110,11 @@ def problems(declaration: "Declaration") -> Iterator[str]:
         for terminal in variable.terminal:
             if terminal.split(".")[0] not in declaration.terminals:
                 yield f"{variable.name} belongs to {terminal!r}, a terminal not listed"
-        for size in variable.size:
-            if isinstance(size, str) and names.get(size, variable).causality != "structuralParameter":
+        for size in variable.extents:
+            extent = names.get(size, variable)
+            if extent.causality != "structuralParameter":
                 yield f"{variable.name} has dimension {size!r}, no structural parameter"
+            elif extent.type != "UInt64" or extent.start[0] < 1:
+                yield f"{variable.name} has dimension {size!r}, which must be a UInt64 that starts at 1 or more"
+            elif variable.sized and extent.max is None:
+                yield f"{variable.name} has dimension {size!r}, which must have a max: memory is made for it"

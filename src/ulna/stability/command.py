@@ -16,6 +16,9 @@ from .coupling_measuring import measure_coupling
 from .coupling_picture import TITLES, VERDICTS, draw_coupling
 from .measuring import measure
 from .picture import draw
+from .sensor_measuring import measure_sensor
+from .sensor_picture import VERDICTS as SENSOR_VERDICTS
+from .sensor_picture import draw_sensor
 from .skin_measuring import measure_skin
 from .skin_picture import COLUMNS as SKINS
 from .skin_picture import draw_skin
@@ -30,6 +33,7 @@ class Subject(StrEnum):
     RIGID_BODY = "rigid-body"
     COUPLING = "coupling"
     SKIN = "skin"
+    SENSOR = "sensor"
 
 
 class Map(NamedTuple):
@@ -46,7 +50,7 @@ def stability(
     quick: Annotated[bool, typer.Option("--quick", help="Coarser: fewer points, limits within 10 %.")] = False,
     out: Annotated[Path, typer.Option(help="Folder to write to.")] = Path("results/stability"),
 ) -> None:
-    """Finds where each solver of the rigid bodies, master or skin fails; draws it against theory: SVG, PNG, JSON."""
+    """Finds where each solver of the rigid bodies, master, skin or sensor fails; draws it against theory."""
     made = MAPS[subject]
     found = made.measure(quick)
     out.mkdir(parents=True, exist_ok=True)
@@ -99,6 +103,16 @@ def _show_skins(found: dict[str, Any]) -> None:
     Console().print(table)
 
 
+def _show_sensor(found: dict[str, Any]) -> None:
+    kinds = list(SENSOR_VERDICTS)
+    table = Table("fidelity", "target", *kinds, title="cells of range, and tilt or offset", title_justify="left")
+    for fidelity, target in dict.fromkeys((row["fidelity"], row["target"]) for row in found["cells"]):
+        own = [row for row in found["cells"] if (row["fidelity"], row["target"]) == (fidelity, target)]
+        counts = Counter(row["verdict"] for row in own)
+        table.add_row(fidelity, target, *(str(counts[kind]) for kind in kinds))
+    Console().print(table)
+
+
 def _angle(value: float) -> str:
     return "none" if math.isinf(value) else f"{value:.2f}"
 
@@ -113,4 +127,5 @@ MAPS = {
     Subject.RIGID_BODY: Map("rigid_body_stability", measure, draw, _show_solvers),
     Subject.COUPLING: Map("coupling_stability", measure_coupling, draw_coupling, _show_masters),
     Subject.SKIN: Map("skin_stability", measure_skin, draw_skin, _show_skins),
+    Subject.SENSOR: Map("sensor_stability", measure_sensor, draw_sensor, _show_sensor),
 }

@@ -3,7 +3,7 @@ import { lastBefore, numbers } from "./data.js";
 const SVG = "http://www.w3.org/2000/svg";
 /** Side of the drawing, which is stretched to its place. */
 const SIDE = 1000;
-const SERIES = 4;
+const SERIES = 6;
 
 /** Small plots of a run over time; where one is pressed, the clock goes. */
 export class Plots {

@@ -92,6 +92,13 @@ static void lift_levels()
         Real absorption = lift.symbols<Real>("absorption_per_metre");
         return path_level(&pair, path, mirror(lift), reflection, wave_number, absorption);
     });
+    lift_function("doppler_of", [](Lift &lift) {
+        Path path = legs(lift);
+        Transceiver pair = {};
+        pair.velocity = lift.symbols<Vector>("velocity");
+        pair.transmitter_velocity = lift.symbols<Vector>("transmitter_velocity");
+        return doppler_of(&pair, path, lift.symbols<Vector>("ball_velocity"), lift.symbols<Real>("speed"));
+    });
     lift_function("piston_directivity",
                   [](Lift &lift) { return piston_directivity(lift.symbols<Real>("half_argument_squared")); });
     lift_function("piston_dispersion",
@@ -138,6 +145,7 @@ static void lift_times()
         Real speed = lift.symbols<Real>("speed");
         return time_of_distance(range, speed, lift.symbols<Real>("baseline"));
     });
+    lift_function("longer", [](Lift &lift) { return longer(lift.symbols<Real>("range"), lift.symbols<Real>("length")); });
     lift_function("arrival_time", [](Lift &lift) {
         Vector offset = lift.symbols<Vector>("offset");
         Vector velocity = lift.symbols<Vector>("velocity");

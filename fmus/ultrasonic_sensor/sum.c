@@ -1,0 +1,311 @@
+/* UltrasonicSensor: when the comparator hears the sum of all echoes.
+ *
+ * The sum of all that begins and ends, with their phases, is
+ *
+ *     z(t) = C - (P + Q t) exp(-t) + sum of S exp(i w t) + F exp((i w - a) t)       t in ring times
+ *
+ * At rest each adds its amplitude a to C and P, and a (1 + i d) to Q; a shifted echo has its own S and F, and
+ * adds to P (doppler.c).
+ */
+typedef struct Detection {
+    double crossing; /* from the emission until the threshold is passed, INFINITY for never */
+    Echo echo;       /* that weighs most then */
+} Detection;
+
+/* The part of the sum that turns with a shifted echo. */
+typedef struct Turning {
+    Shift shift;
+    Phasor steady, fading; /* S, F */
+    Phasor turn;           /* over a sample */
+    double fade;
+} Turning;
+
+typedef struct Onset {
+    double time; /* in ring times */
+    Phasor amplitude;
+    double dispersion;
+    Turning *mode; /* of a shifted echo */
+} Onset;
+
+typedef struct Sum {
+    double time;
+    Phasor constant, value, slope; /* C, P, Q */
+    Turning *mode;
+    int modes;
+} Sum;
+
+#define SAMPLES_A_RING_TIME 64
+
+static const double pitch = 1.0 / SAMPLES_A_RING_TIME;
+
+static double square_of(Phasor a)
+{
+    return inner_product(a, a);
+}
+
+/* The square of the sum a little later, or earlier. */
+static double square_after(const Sum *sum, double later)
+{
+    Phasor ring = phasor_sum(sum->value, later, sum->slope);
+    Phasor whole = phasor_sum(sum->constant, -exp(-later), ring);
+    for (int i = 0; i < sum->modes; i++) {
+        const Turning *mode = &sum->mode[i];
+        Phasor part = phasor_sum(mode->steady, exp(-mode->shift.pace * later), mode->fading);
+        whole = phasor_sum(whole, 1.0, phasor_product(part, phasor_at(mode->shift.turn * later)));
+    }
+    return square_of(whole);
+}
+
+static Phasor sum_now(const Sum *sum)
+{
+    Phasor whole = phasor_sum(sum->constant, -1.0, sum->value);
+    for (int i = 0; i < sum->modes; i++) {
+        whole = phasor_sum(phasor_sum(whole, 1.0, sum->mode[i].steady), 1.0, sum->mode[i].fading);
+    }
+    return whole;
+}
+
+static double square_now(const Sum *sum)
+{
+    return square_of(sum_now(sum));
+}
+
+static void advance_sum(Sum *sum, double later, double decay)
+{
+    Phasor ring = phasor_sum(sum->value, later, sum->slope);
+    sum->value = scaled(decay, ring);
+    sum->slope = scaled(decay, sum->slope);
+    sum->time += later;
+    for (int i = 0; i < sum->modes; i++) {
+        Turning *mode = &sum->mode[i];
+        bool sample = later == pitch;
+        Phasor turn = sample ? mode->turn : phasor_at(mode->shift.turn * later);
+        double fade = sample ? mode->fade : exp(-mode->shift.pace * later);
+        mode->steady = phasor_product(turn, mode->steady);
+        mode->fading = scaled(fade, phasor_product(turn, mode->fading));
+    }
+}
+
+/* Where the square has passed `threshold` since `before`: by halving and by the secant. */
+static double crossing_since(const Sum *sum, double before, double threshold)
+{
+    double low = -before, high = 0.0;
+    for (int i = 0; i < 100 && high - low > 1e-13 * (1.0 + sum->time); i++) {
+        double below = square_after(sum, low) - threshold;
+        double above = square_after(sum, high) - threshold;
+        double secant = low - below * (high - low) / (above - below);
+        double probe = i % 2 ? 0.5 * (low + high) : lesser(greater(secant, low), high);
+        bool passed = square_after(sum, probe) >= threshold;
+        low = passed ? low : probe;
+        high = passed ? probe : high;
+    }
+    return sum->time + high;
+}
+
+/* No more than this is to come. */
+static double bound_of(const Sum *sum)
+{
+    double bound = sqrt(square_of(sum->constant)) + sqrt(square_of(sum->value)) + sqrt(square_of(sum->slope));
+    for (int i = 0; i < sum->modes; i++) {
+        bound += sqrt(square_of(sum->mode[i].steady)) + sqrt(square_of(sum->mode[i].fading));
+    }
+    return bound;
+}
+
+/* From `sum->time` to `until`, in ring times; INFINITY where the threshold is not passed. */
+static double cross_before(Sum *sum, double until, double threshold)
+{
+    const double decay = exp(-pitch);
+    double limit = sqrt(threshold);
+    while (sum->time < until) {
+        double rest = until - sum->time;
+        bool quiet = bound_of(sum) < limit, leap = quiet || rest < pitch; /* the last sample is shorter */
+        double later = leap ? rest : pitch;
+        advance_sum(sum, later, leap ? exp(-later) : decay);
+        if (!quiet && square_now(sum) >= threshold) {
+            return crossing_since(sum, later, threshold);
+        }
+        sum->time = leap ? until : sum->time;
+    }
+    return INFINITY;
+}
+
+/* Up to where the comparator opens, or to `until`: true where it opens to a sum above the threshold. */
+static bool loud_at_opening(Sum *sum, double until, double opening, double threshold)
+{
+    if (sum->time >= opening) {
+        return false;
+    }
+    double there = lesser(until, opening), later = there - sum->time;
+    advance_sum(sum, later, exp(-later));
+    sum->time = there;
+    return there == opening && square_now(sum) >= threshold;
+}
+
+static int by_time(Onset *onsets, int count, Onset onset)
+{
+    int place = count;
+    for (; place > 0 && onsets[place - 1].time > onset.time; place--) {
+        onsets[place] = onsets[place - 1];
+    }
+    onsets[place] = onset;
+    return count + 1;
+}
+
+/* Height of the threshold in shares of what an endless burst of this echo reaches. */
+static double height_of(const UltrasonicSensor *sensor, Echo echo)
+{
+    return sensor->peak * exp((sensor->threshold - echo.level) / DECIBEL_PER_NEPER);
+}
+
+/* Amplitude over the threshold's, with the phase of the carrier. */
+static Phasor phasor_of(const UltrasonicSensor *sensor, Echo echo)
+{
+    double amplitude = exp((echo.level - sensor->threshold) / DECIBEL_PER_NEPER);
+    return scaled(amplitude, phasor_at(echo.phase - 2.0 * PI * sensor->frequency * echo.time));
+}
+
+static Turning turning_of(const UltrasonicSensor *sensor, Echo echo)
+{
+    Shift shift = shift_of(sensor, echo);
+    return (Turning){.shift = shift, .turn = phasor_at(shift.turn * pitch), .fade = exp(-shift.pace * pitch)};
+}
+
+/* Puts begin and end of an echo among the onsets; returns how many there are. */
+static int add_onsets(const UltrasonicSensor *sensor, Echo echo, Turning *mode, Onset *onsets, int count)
+{
+    Phasor amplitude = phasor_of(sensor, echo), end = scaled(-1.0, amplitude);
+    double arrival = echo.time / sensor->ring_time, length = sensor->burst_length;
+    double dispersion = mode ? mode->shift.dispersion : whole_dispersion(sensor, echo);
+    if (mode) {
+        length /= mode->shift.pace;
+        end = phasor_product(end, phasor_at(mode->shift.turn * length));
+    }
+    count = by_time(onsets, count, (Onset){arrival, amplitude, dispersion, mode});
+    return by_time(onsets, count, (Onset){arrival + length, end, dispersion, mode});
+}
+
+static void begin_shifted(Sum *sum, Onset onset)
+{
+    Turning *mode = onset.mode;
+    const Shift *shift = &mode->shift;
+    double whole = shift->emphasis, d = shift->dispersion, kept = whole + d * shift->turn;
+    Phasor share = phasor_quotient(onset.amplitude, shift->drift);
+    Phasor steady = phasor_product(onset.amplitude, shift->resonance);
+    mode->steady = phasor_sum(mode->steady, kept, steady);
+    mode->fading = phasor_sum(mode->fading, -1.0, phasor_product(share, (Phasor){kept, d * shift->pace}));
+    Phasor ring = phasor_sum(steady, -1.0, share);
+    sum->value = phasor_sum(sum->value, 1.0, phasor_product(ring, (Phasor){whole, d}));
+}
+
+static void begin_onset(Sum *sum, Onset onset)
+{
+    if (onset.mode) {
+        begin_shifted(sum, onset);
+        return;
+    }
+    sum->constant = phasor_sum(sum->constant, 1.0, onset.amplitude);
+    sum->value = phasor_sum(sum->value, 1.0, onset.amplitude);
+    sum->slope = phasor_sum(sum->slope, 1.0, phasor_product((Phasor){1.0, onset.dispersion}, onset.amplitude));
+}
+
+/* The envelope of one echo, in shares of an endless burst's. */
+static double envelope_of(const UltrasonicSensor *sensor, Echo echo, double since)
+{
+    if (!shifted(sensor, echo)) {
+        return envelope_at(sensor, since).value;
+    }
+    Shift shift = shift_of(sensor, echo);
+    return sqrt(square_of(shifted_response(sensor, &shift, since).value));
+}
+
+/* The echo that weighs most at a time. */
+static Echo heaviest(const UltrasonicSensor *sensor, const Echo *echoes, int echo_count, double time)
+{
+    Echo best = silence;
+    double most = -INFINITY;
+    for (int i = 0; i < echo_count; i++) {
+        double since = (time - echoes[i].time) / sensor->ring_time;
+        double height = since > 0.0 ? envelope_of(sensor, echoes[i], since) : 0.0;
+        double weight = height > 0.0 ? echoes[i].level + DECIBEL_PER_NEPER * log(height) : -INFINITY;
+        if (weight > most) {
+            most = weight;
+            best = echoes[i];
+        }
+    }
+    return best;
+}
+
+/* The sum of all, from its first echo on. While the transmitter rings the comparator is deaf: an echo that
+ * comes before it opens is heard then, if it still rings loud enough. */
+static Detection detect_sum(const UltrasonicSensor *sensor, const Echo *echoes, int echo_count)
+{
+    Onset onsets[2 * MOST_ECHOES];
+    Turning modes[MOST_ECHOES];
+    int count = 0, mode_count = 0;
+    double unit_time = sensor->ring_time, threshold = sensor->peak * sensor->peak;
+    double opening = sensor->nearest_time / unit_time;
+    for (int i = 0; i < echo_count; i++) {
+        Turning *mode = shifted(sensor, echoes[i]) ? &modes[mode_count++] : NULL;
+        if (mode) {
+            *mode = turning_of(sensor, echoes[i]);
+        }
+        count = add_onsets(sensor, echoes[i], mode, onsets, count);
+    }
+    Sum sum = {.time = onsets[0].time, .mode = modes, .modes = mode_count};
+    double crossing = INFINITY;
+    for (int i = 0; i < count && !isfinite(crossing); i++) {
+        begin_onset(&sum, onsets[i]);
+        /* the loudest of the last echo comes within one more peak time */
+        double until = i + 1 < count ? onsets[i + 1].time : greater(sum.time + sensor->peak_time, opening);
+        crossing = loud_at_opening(&sum, until, opening, threshold)
+            ? sensor->nearest_time
+            : unit_time * cross_before(&sum, until, threshold);
+    }
+    return isfinite(crossing) ? (Detection){crossing, heaviest(sensor, echoes, echo_count, crossing)}
+                              : (Detection){INFINITY, silence};
+}
+
+/* When a lone echo passes the threshold after the emission, INFINITY for never, 0 where only the sum can tell;
+ * its level becomes that of the shifted echo. */
+static double lone_crossing(const UltrasonicSensor *sensor, Echo *echo)
+{
+    double margin = (echo->level - sensor->threshold) / DECIBEL_PER_NEPER;
+    if (!shifted(sensor, *echo)) {
+        return margin >= 0.0 ? echo->time + rise_time(sensor, margin, *echo) : INFINITY;
+    }
+    Shift shift = shift_of(sensor, *echo);
+    double height = height_of(sensor, *echo), loudest;
+    double latest = loudest_time(sensor, &shift, &loudest);
+    echo->level += DECIBEL_PER_NEPER * log(loudest / sensor->peak);
+    if (!(height <= loudest)) {
+        return INFINITY;
+    }
+    if (fabs(shift.turn) > QUICK_SHIFT) {
+        return 0.0;
+    }
+    Envelope unused;
+    double guess = plain_rise(sensor, height * sensor->peak / loudest, log(loudest / height), &unused);
+    return echo->time + sensor->ring_time * shifted_rise(sensor, &shift, height, guess, latest);
+}
+
+/* Most often the first echo passes the threshold after the comparator has opened and before the second
+ * arrives: then in closed form. */
+static Detection detect(const UltrasonicSensor *sensor, const Echo *echoes, int echo_count)
+{
+    Echo first = silence;
+    double second = INFINITY;
+    for (int i = 0; i < echo_count; i++) {
+        second = lesser(second, greater(first.time, echoes[i].time));
+        first = echoes[i].time < first.time ? echoes[i] : first;
+    }
+    double crossing = isfinite(first.time) ? lone_crossing(sensor, &first) : INFINITY;
+    if (crossing >= sensor->nearest_time && crossing <= second) {
+        return (Detection){crossing, isfinite(crossing) ? first : silence};
+    }
+    Detection found = detect_sum(sensor, echoes, echo_count);
+    if (shifted(sensor, found.echo)) {
+        lone_crossing(sensor, &found.echo);
+    }
+    return found;
+}
