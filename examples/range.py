@@ -5,11 +5,13 @@ far. From 40 degrees on `specular` hears it, at its true distance; at the end it
 """
 
 from math import cos, pi, sqrt
+from typing import Any
 
 import numpy as np
 
 from ulna import Scene, fmu
 from ulna.description import read_description
+from ulna.drawing import ellipsoid
 
 UNTIL = 8.0
 STEP = 0.002
@@ -30,6 +32,20 @@ def reach(time: float) -> np.ndarray:
     """Angles of shoulder and elbow to aim at (rad): out within three seconds, held for two, and back."""
     share = 0.5 - 0.5 * cos(pi * np.clip(min(time - 0.5, 7.5 - time) / 2.5, 0.0, 1.0))
     return HANGING + share * (REACHING - HANGING)
+
+
+def ball_mesh() -> dict[str, Any]:
+    """The ball as `surface` takes it: vertices, their normals, and two rows of triangles a vertex, spare ones zero."""
+    shape = ellipsoid((BALL_RADIUS,) * 3)
+    count = len(shape.vertices)
+    triangles = np.zeros((2 * count, 3), np.int32)
+    triangles[: len(shape.triangles)] = shape.triangles
+    return {
+        "surface_vertex_count": count,
+        "surface_vertices": (BALL + shape.vertices).T,
+        "surface_normals": shape.normals.T,
+        "surface_triangles": triangles.reshape(2, count, 3),
+    }
 
 
 def levels() -> list[str]:
@@ -68,14 +84,15 @@ def scene() -> Scene:
     reaching.connect(upper.hinge, arm.upper_arm)
     reaching.connect(forearm.hinge, arm.forearm)
 
-    ahead = {"plane_point": [WALL, 0.0, 0.0], "plane_normal": [-1.0, 0.0, 0.0], "sphere_radius": BALL_RADIUS}
+    ahead = {"plane_point": [WALL, 0.0, 0.0], "plane_normal": [-1.0, 0.0, 0.0], "maximum_range": REACH}
     for level in levels():
-        sensor = reaching.add("UltrasonicSensor", level, fidelity=level, maximum_range=REACH, **ahead)
+        body = ball_mesh() if level == "surface" else {"sphere_radius": BALL_RADIUS}
+        sensor = reaching.add("UltrasonicSensor", level, **body, **ahead, fidelity=level)
         reaching.connect(forearm.tip, sensor.sensor)
         reaching.connect(ball.center, sensor.target)
         reaching.record(sensor)
 
-    reaching.record(upper.angle, upper.target_angle, upper.hinge)
+    reaching.record(upper.hinge)
     reaching.record(forearm.angle, forearm.target_angle, forearm.hinge, forearm.tip_position, forearm.tip_orientation)
     for body in (ball, wall):
         reaching.record(body.position, body.orientation)

@@ -18,11 +18,16 @@ def rewritten(source: Path, out: Path, change) -> Path:
     size = struct.unpack("<I", content[12:16])[0]
     document, data = json.loads(content[20 : 20 + size]), bytearray(content[28 + size :])
     change(document, data)
+    out.write_bytes(packed(document, data))
+    return out
+
+
+def packed(document: dict, data: bytes) -> bytes:
+    """The bytes of a .glb file."""
     text = json.dumps(document).encode()
     text += b" " * (-len(text) % 4)
     chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(data), b"BIN\0") + bytes(data)
-    out.write_bytes(struct.pack("<4s2I", b"glTF", 2, 12 + len(chunks)) + chunks)
-    return out
+    return struct.pack("<4s2I", b"glTF", 2, 12 + len(chunks)) + chunks
 
 
 def primitive(document: dict) -> dict:
@@ -49,13 +54,8 @@ def numbers(document: dict, data: bytearray, name: str, kind: type = np.float32)
 
 
 def exported_arm(folder: Path) -> Path:
-    """The default arm at rest, as `ulna run` exports it, but for the first joint: from the elbow to the shoulder."""
+    """The default arm at rest, as `ulna run` exports it: one joint at the shoulder, one at the elbow."""
     with Scene("arm") as scene:
         scene.add("ArmSkin", "arm", method="linear_blend", twist_share=0.0)
         write_glb(folder / "arm.glb", scene.run(0.1, 0.05), scene)
-
-    def to_shoulder(document, data):
-        document["nodes"][document["skins"][0]["joints"][0]]["translation"] = [0.0, 0.0, 0.0]
-        numbers(document, data, "inverseBindMatrices")[:16] = np.eye(4).ravel()
-
-    return rewritten(folder / "arm.glb", folder / "shoulder.glb", to_shoulder)
+    return folder / "arm.glb"

@@ -189,7 +189,8 @@ def told(results, sensor):
     return rows, heard, results[f"{sensor}.distance"][rows], results.time[rows] - width / 2
 
 
-def test_range_hears_what_is_loud_enough_and_where_it_is(reached):
+@pytest.mark.parametrize("sensor", ["specular", "surface", "automatic"])
+def test_range_hears_what_is_loud_enough_and_where_it_is(reached, sensor):
     names, results = reached
     air = theory.air()
     (wall, tilt), (ball, off) = before_the_hand(names, results)
@@ -197,17 +198,18 @@ def test_range_hears_what_is_loud_enough_and_where_it_is(reached):
         [theory.level("plane", d, a, 0.0, air) for d, a in zip(wall, tilt, strict=True)],
         [theory.level("sphere", d, a, names["BALL_RADIUS"], air) for d, a in zip(ball, off, strict=True)],
     )
-    rows, heard, read, times = told(results, "specular")
+    rows, heard, read, times = told(results, sensor)
     # the ball is beside the baseline's plane: up to half a baseline over its distance, 4 degrees, off for each ear
     assert heard[loud[rows] > -33.0].all() and np.count_nonzero(loud[rows] > -33.0) > 60
     assert not heard[loud[rows] < -39.0].any() and np.count_nonzero(loud[rows] < -39.0) > 30
     errors = [np.abs(read - np.interp(times, results.time, true)) for true in (wall, ball)]
     speed = max(np.abs(np.gradient(true, results.time)).max() for true in (wall, ball))
-    # rounding to 3 mm, and a row that may be a step late
-    assert np.minimum(*errors)[heard].max() < 0.0015 + speed * results.time[1]
+    # rounding to 3 mm, a row that may be a step late, and of a mesh what it is held to
+    within = 0.0015 + speed * results.time[1] + 0.35e-3 * (sensor == "surface")
+    assert np.minimum(*errors)[heard].max() < within
     # held out, the hand hears the ball, which is nearer than the wall
     held = (times > 3.2) & (times < 5.0)
-    assert errors[1][held].max() < 0.0015 + speed * results.time[1] and held.sum() > 25
+    assert errors[1][held].max() < within and held.sum() > 25
 
 
 def test_range_rays_see_the_wall_too_far_and_pass_the_ball_by(reached):

@@ -39,6 +39,7 @@ INLINED void deform_twisted(int64_t method, SkinRow row, const SkinMotion *motio
     DEFORM_CASE(COMPENSATED)
     default: deform_by(ARM_SKIN_METHOD_LINEAR_BLEND, row, motion, wound, twisted, mesh, out); break;
     }
+    each_follower(row == SKIN_NORMALS, motion, twisted, mesh, out);
 }
 
 INLINED void deform_method(int64_t method, SkinRow row, const SkinMotion *motion, bool wound, const ArmMesh *mesh, float *out)

@@ -205,6 +205,7 @@ static Status arm_skin_prepare(const ArmSkin *skin, const char *resources, void 
     }
     fill_rows(mesh, rows);
     mesh->triangle_count = 0;
+    mesh->run_count = 0;
     return STATUS_OK;
 }
 

@@ -243,20 +243,15 @@ INLINED void rigid_normals(const SkinMotion *motion, Matrix3 bone, bool twisted,
     }
 }
 
+/* Of the runs that bend. */
 INLINED void each_vertex(int method, const SkinMotion *motion, bool wound, bool twisted, const ArmMesh *mesh,
                          float *restrict out)
 {
     size_t n = mesh->vertex_count;
     for (size_t r = 0; r < mesh->run_count; r++) {
-        VertexRun run = mesh->run[r];
-        if (run.holder == FOLLOWS_BOTH) {
-            for (size_t i = run.begin; i < run.end; i++) {
-                put_row3(out, n, i, vertex_place(method, motion, wound, twisted, mesh, i));
-            }
-        } else {
-            bool forearm = run.holder == FOLLOWS_FOREARM;
-            Float3 rest = plus_scaled(motion->rest_of_shift, forearm ? 1.0f : 0.0f, motion->gap);
-            rigid_places(motion, forearm ? motion->forearm : motion->upper_arm, rest, twisted, mesh, run.begin, run.end, out);
+        size_t end = mesh->run[r].holder == FOLLOWS_BOTH ? mesh->run[r].end : 0;
+        for (size_t i = mesh->run[r].begin; i < end; i++) {
+            put_row3(out, n, i, vertex_place(method, motion, wound, twisted, mesh, i));
         }
     }
 }
@@ -266,14 +261,26 @@ INLINED void each_normal(int method, const SkinMotion *motion, bool wound, bool 
 {
     size_t n = mesh->vertex_count;
     for (size_t r = 0; r < mesh->run_count; r++) {
+        size_t end = mesh->run[r].holder == FOLLOWS_BOTH ? mesh->run[r].end : 0;
+        for (size_t i = mesh->run[r].begin; i < end; i++) {
+            put_row3(out, n, i, vertex_normal(method, motion, wound, twisted, mesh, i));
+        }
+    }
+}
+
+/* Of the others, the same by all methods. */
+INLINED void each_follower(bool normals, const SkinMotion *motion, bool twisted, const ArmMesh *mesh, float *out)
+{
+    for (size_t r = 0; r < mesh->run_count; r++) {
         VertexRun run = mesh->run[r];
-        if (run.holder == FOLLOWS_BOTH) {
-            for (size_t i = run.begin; i < run.end; i++) {
-                put_row3(out, n, i, vertex_normal(method, motion, wound, twisted, mesh, i));
-            }
+        bool forearm = run.holder == FOLLOWS_FOREARM;
+        Matrix3 bone = forearm ? motion->forearm : motion->upper_arm;
+        Float3 rest = plus_scaled(motion->rest_of_shift, forearm ? 1.0f : 0.0f, motion->gap);
+        size_t end = run.holder == FOLLOWS_BOTH ? 0 : run.end;
+        if (normals) {
+            rigid_normals(motion, bone, twisted, mesh, run.begin, end, out);
         } else {
-            bool forearm = run.holder == FOLLOWS_FOREARM;
-            rigid_normals(motion, forearm ? motion->forearm : motion->upper_arm, twisted, mesh, run.begin, run.end, out);
+            rigid_places(motion, bone, rest, twisted, mesh, run.begin, end, out);
         }
     }
 }

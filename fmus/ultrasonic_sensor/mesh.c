@@ -50,45 +50,83 @@ typedef struct Patch {
     double bulge[3]; /* of the side from a corner to the next */
 } Patch;
 
-/* The point of the patch with these shares of its corners. */
-static Vector patch_point(const Patch *patch, double first, double second, double third)
+/* Height over the flat triangle where these are the shares of the corners; of a difference of shares, minus four times
+ * how far the surface is outside the middle of the line. */
+static double patch_height(const Patch *patch, Vector share)
 {
-    double height = 4.0 * (patch->bulge[0] * first * second + patch->bulge[1] * second * third + patch->bulge[2] * third * first);
-    Vector point = scale(first, add_scaled(patch->corner[0], height, patch->normal[0]));
-    point = add_scaled(point, second, add_scaled(patch->corner[1], height, patch->normal[1]));
-    return add_scaled(point, third, add_scaled(patch->corner[2], height, patch->normal[2]));
+    return 4.0 * (patch->bulge[0] * share.x * share.y + patch->bulge[1] * share.y * share.z + patch->bulge[2] * share.z * share.x);
 }
 
-static void add_part(const Pass *pass, Pieces *pieces, Vector a, Vector b, Vector c, Vector bulge)
+static Vector patch_normal(const Patch *patch, Vector share)
 {
-    Vector along = subtract(b, a), across = subtract(c, a);
-    if (is_lit(pass, a, cross(along, across))) {
-        add_piece(pass, pieces, a, along, across, bulge);
+    Vector normal = add_scaled(scale(share.x, patch->normal[0]), share.y, patch->normal[1]);
+    return add_scaled(normal, share.z, patch->normal[2]);
+}
+
+static Vector patch_point(const Patch *patch, Vector share)
+{
+    Vector point = add_scaled(scale(share.x, patch->corner[0]), share.y, patch->corner[1]);
+    point = add_scaled(point, share.z, patch->corner[2]);
+    return add_scaled(point, patch_height(patch, share), patch_normal(patch, share));
+}
+
+/* A point of the patch and its shares of the corners. */
+typedef struct Place {
+    Vector share, point;
+} Place;
+
+/* `far` of the way from the first corner to the third side, and there `aside` of the way to the third corner. */
+static Place place_on(const Patch *patch, double far, double aside)
+{
+    Vector share = {1.0 - far, far * (1.0 - aside), far * aside};
+    return (Place){share, patch_point(patch, share)};
+}
+
+/* The flat piece between three places, if it is lit. */
+static void add_part(const Pass *pass, Pieces *pieces, const Patch *patch, Place a, Place b, Place c)
+{
+    Vector along = subtract(b.point, a.point), across = subtract(c.point, a.point);
+    if (is_lit(pass, a.point, cross(along, across))) {
+        double height = patch_height(patch, subtract(b.share, a.share)) + patch_height(patch, subtract(c.share, b.share))
+            + patch_height(patch, subtract(a.share, c.share));
+        add_piece(pass, pieces, a.point, along, across, scale(-height / 12.0, patch_normal(patch, a.share)));
     }
 }
 
-/* How far the surface is outside the middle of one of count x count parts. */
-static Vector middle_bulge(const Patch *patch, int count)
+/* In strips between the tip and the side across, each in as many cells, so that no cracks are left. */
+static void add_strips(const Pass *pass, Pieces *pieces, const Patch *patch, int strips, int cells)
 {
-    double share = 1.0 / (double)count, height = (patch->bulge[0] + patch->bulge[1] + patch->bulge[2]) / 3.0;
-    return scale(height / 3.0 * share * share, add(add(patch->normal[0], patch->normal[1]), patch->normal[2]));
+    for (int i = 0; i < strips; i++) {
+        double near = (double)i / (double)strips, far = (double)(i + 1) / (double)strips;
+        Place a = place_on(patch, near, 0.0), b = place_on(patch, far, 0.0);
+        for (int j = 1; j <= cells; j++) {
+            double aside = (double)j / (double)cells;
+            Place c = place_on(patch, far, aside), d = place_on(patch, near, aside);
+            add_part(pass, pieces, patch, a, b, c);
+            if (i > 0) {
+                add_part(pass, pieces, patch, a, c, d);
+            }
+            a = d;
+            b = c;
+        }
+    }
 }
 
-/* Cut along its sides into count x count alike, every other one turned over. */
-static void add_parts(const Pass *pass, Pieces *pieces, const Patch *patch, int count)
+/* Into count x count alike, every other one turned over: fewer where the sides are alike. */
+static void add_alike(const Pass *pass, Pieces *pieces, const Patch *patch, int count)
 {
-    const double share = 1.0 / (double)count;
-    const Vector bulge = middle_bulge(patch, count);
     for (int i = 0; i < count; i++) {
-        for (int j = 0; i + j < count; j++) {
-            double near = (double)(count - i - j) * share, u = (double)i * share, v = (double)j * share;
-            Vector a = patch_point(patch, near, u, v), b = patch_point(patch, near - share, u + share, v);
-            Vector c = patch_point(patch, near - share, u, v + share);
-            add_part(pass, pieces, a, b, c, bulge);
-            if (i + j < count - 1) {
-                Vector d = patch_point(patch, near - 2.0 * share, u + share, v + share);
-                add_part(pass, pieces, b, d, c, bulge);
+        double near = (double)i / (double)count, far = (double)(i + 1) / (double)count;
+        Place a = place_on(patch, near, 0.0), b = place_on(patch, far, 0.0);
+        for (int j = 0; j <= i; j++) {
+            Place c = place_on(patch, far, (double)(j + 1) / (double)(i + 1));
+            add_part(pass, pieces, patch, a, b, c);
+            if (j < i) {
+                Place d = place_on(patch, near, (double)(j + 1) / (double)i);
+                add_part(pass, pieces, patch, a, c, d);
+                a = d;
             }
+            b = c;
         }
     }
 }
@@ -98,45 +136,64 @@ static Vector row_of(const float *rows, size_t count, int32_t index)
     return vector((double)rows[index], (double)rows[count + (size_t)index], (double)rows[2 * count + (size_t)index]);
 }
 
-/* How far the surface is outside the middle of each side; returns the longest one's square. */
-static double bend_patch(const Mesh *mesh, const int32_t *corner, Patch *patch)
+/* A triangle with too long a side; its tip is across from the shortest. */
+static void add_patch(const Pass *pass, Pieces *pieces, const Mesh *mesh, const int32_t *corner, const double squares[3],
+                      double longest)
 {
-    double longest = 0.0;
-    for (int i = 0; i < 3 && mesh->normals; i++) {
-        patch->normal[i] = row_of(mesh->normals, mesh->count, corner[i]);
+    Patch patch;
+    int shortest = squares[0] < squares[1] ? (squares[0] < squares[2] ? 0 : 2) : (squares[1] < squares[2] ? 1 : 2);
+    for (int i = 0; i < 3; i++) {
+        int32_t index = corner[(shortest + 2 + i) % 3]; /* a side has the name of the corner where it begins */
+        patch.corner[i] = row_of(mesh->vertices, mesh->count, index);
+        patch.normal[i] = mesh->normals ? row_of(mesh->normals, mesh->count, index) : at_rest;
     }
     for (int i = 0; i < 3; i++) {
-        int next = i == 2 ? 0 : i + 1;
-        Vector side = subtract(patch->corner[next], patch->corner[i]);
-        patch->bulge[i] = 0.125 * dot(side, subtract(patch->normal[next], patch->normal[i]));
-        longest = greater(longest, dot(side, side));
+        int next = (i + 1) % 3;
+        Vector side = subtract(patch.corner[next], patch.corner[i]);
+        patch.bulge[i] = 0.125 * dot(side, subtract(patch.normal[next], patch.normal[i]));
     }
-    return longest;
+    int strips = (int)ceil(sqrt(longest) / pass->longest_piece);
+    int cells = (int)ceil(sqrt(squares[shortest]) / pass->longest_piece);
+    if (cells == strips) {
+        add_alike(pass, pieces, &patch, strips);
+    } else {
+        add_strips(pass, pieces, &patch, strips, cells);
+    }
+}
+
+/* How far the surface is outside the middle of a triangle that need not be cut. */
+static Vector middle_bulge(const Mesh *mesh, const int32_t *corner, const Vector side[3])
+{
+    Vector n[3];
+    for (int i = 0; i < 3; i++) {
+        n[i] = row_of(mesh->normals, mesh->count, corner[i]);
+    }
+    double turn = dot(side[0], subtract(n[1], n[0])) + dot(side[1], subtract(n[2], n[1])) + dot(side[2], subtract(n[0], n[2]));
+    return scale(turn / 72.0, add(add(n[0], n[1]), n[2])); /* a third of an eighth, by the mean normal */
 }
 
 static void hear_mesh(const Pass *pass, const Mesh *mesh)
 {
     Pieces pieces;
     pieces.count = 0;
-    const double pieces_square = 1.0 / (pass->longest_piece * pass->longest_piece);
-    const Vector none = {0.0, 0.0, 0.0};
-    Patch patch = {.normal = {none, none, none}};
+    const double most = pass->longest_piece * pass->longest_piece;
     for (size_t t = 0; t < mesh->triangles; t++) {
         const int32_t *corner = mesh->corners + 3 * t;
         if (corner[1] == corner[2]) {
             continue; /* an unused row */
         }
-        for (int i = 0; i < 3; i++) {
-            patch.corner[i] = row_of(mesh->vertices, mesh->count, corner[i]);
+        Vector a = row_of(mesh->vertices, mesh->count, corner[0]), b = row_of(mesh->vertices, mesh->count, corner[1]);
+        Vector c = row_of(mesh->vertices, mesh->count, corner[2]);
+        Vector side[] = {subtract(b, a), subtract(c, b), subtract(a, c)}, across = subtract(c, a);
+        if (!is_lit(pass, a, cross(side[0], across))) {
+            continue;
         }
-        Vector along = subtract(patch.corner[1], patch.corner[0]), across = subtract(patch.corner[2], patch.corner[0]);
-        if (is_lit(pass, patch.corner[0], cross(along, across))) {
-            double square = bend_patch(mesh, corner, &patch) * pieces_square;
-            if (square <= 1.0) {
-                add_piece(pass, &pieces, patch.corner[0], along, across, middle_bulge(&patch, 1));
-            } else {
-                add_parts(pass, &pieces, &patch, (int)ceil(sqrt(square)));
-            }
+        double squares[] = {dot(side[0], side[0]), dot(side[1], side[1]), dot(side[2], side[2])};
+        double longest = greater(squares[0], greater(squares[1], squares[2]));
+        if (longest <= most) {
+            add_piece(pass, &pieces, a, side[0], across, mesh->normals ? middle_bulge(mesh, corner, side) : at_rest);
+        } else {
+            add_patch(pass, &pieces, mesh, corner, squares, longest);
         }
     }
     hear_pieces(pass, &pieces);

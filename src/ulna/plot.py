@@ -151,7 +151,9 @@ def _plain_panel(results: Results, name: str) -> Panel | None:
 def _draw(ax: Axes, time: np.ndarray, panel: Panel) -> None:
     looks = [{"linewidth": 1.4, "alpha": 1.0}] * len(panel.curves)
     if panel.wide:
-        looks[0] = {"linewidth": 7.0, "alpha": 0.25}
+        # what lies under a curve is seen on both sides of it
+        widths = 1.2 + 0.8 * np.arange(len(panel.curves) - 2, -1, -1)
+        looks = [{"linewidth": 9.0, "alpha": 0.25}, *({"linewidth": width, "alpha": 1.0} for width in widths)]
     for (label, values), color, look in zip(panel.curves, COLORS, looks, strict=False):
         ax.plot(time, values, color=color, label=label, **look)
     for (label, times, values), color, mark in zip(panel.dots, COLORS[1:], (".", "x"), strict=False):

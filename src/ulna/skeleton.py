@@ -103,9 +103,12 @@ def skeleton(arm: Arm, upper_arm: tuple[np.ndarray, np.ndarray], forearm: tuple[
         place += along.astype(np.float32) * np.float32(steps)
     first = np.minimum(np.floor(place), len(motions) - 2).astype(int)
     share = place - first.astype(np.float32)
+    # the first is the upper arm: it is held by the shoulder, where the rest frame has its origin
+    origins = np.tile(arm.elbow, (len(motions), 1))
+    origins[0] = 0.0
     return Skeleton(
-        origins=np.tile(arm.elbow, (len(motions), 1)),
-        positions=np.stack([carried + rotate(turn_upper, shift) for shift, _, _ in motions]),
+        origins=origins,
+        positions=np.stack([upper_arm[0], *(carried + rotate(turn_upper, shift) for shift, _, _ in motions[1:])]),
         orientations=np.stack([continuous(multiply(turn_upper, turn)) for _, turn, _ in motions]),
         widths=np.stack([width for _, _, width in motions]),
         joints=np.stack([first, first + 1], axis=1),

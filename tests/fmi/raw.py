@@ -157,8 +157,9 @@ class Raw:
         self._moved("set", variable, [kinds.get(variable.type, int)(value) for value in np.atleast_1d(values)])
 
     def of(self, causality: str, *types: str) -> list[Variable]:
-        """Its variables of a causality, of these types (all, if none is given); time is none of them."""
-        return [v for v in self.variables.values() if v.causality == causality and (not types or v.type in types)]
+        """Its variables of a causality, of these types (all but clocks, if none is given); time is none of them."""
+        found = [v for v in self.variables.values() if v.causality == causality]
+        return [v for v in found if (v.type in types if types else v.type != "Clock")]
 
     def reals(self, causality: str) -> list[Variable]:
         """Its floating-point variables (64 bit) of a causality."""

@@ -1,4 +1,4 @@
-"""Clocks of FMI 3: a trigger that ticks and an echo that is counted down give the pings of every other mode, to the bit."""
+"""Clocks of FMI 3: a trigger that ticks and an echo counted down give the pings of every other mode, to the bit."""
 
 import ctypes
 
@@ -64,6 +64,11 @@ def grid(step: float | None) -> list[float]:
     return sorted({*points_of(step, END), *TRIGGERS[1:], *(time + 1e-4 for time in TRIGGERS)})
 
 
+def size(time: float, point: float) -> float:
+    """Of a step towards `point`: the last one ends there to the bit, since it is shorter than the way behind it."""
+    return point - time if 2.0 * time >= point else 0.75 * (point - time)
+
+
 def with_edges(version: str, step: float | None, period: float, latency: float, events: bool = False) -> dict:
     """The Boolean input: an edge at each trigger, set in event mode where that is used; nobody asks for an interval."""
     options = {"eventModeUsed": True, "earlyReturnAllowed": True} if events else {}
@@ -79,8 +84,8 @@ def with_edges(version: str, step: float | None, period: float, latency: float, 
                 sensor.enterStepMode()
                 in_event_mode = False
             while time < point:
-                reached = sensor.doStep(time, point - time)
-                time = reached[3] if events and reached[3] < point - 1e-12 else point  # a sum of steps may round
+                reached = sensor.doStep(time, size(time, point) if events else point - time)
+                time = reached[3] if events else point
                 if events and time < point:
                     sensor.enterEventMode()
                     sensor.updateDiscreteStates()
@@ -113,9 +118,7 @@ def with_clocks(step: float | None, period: float, latency: float, *, early: boo
             rows.setdefault(time, None)
             sensor.enterStepMode()
             stop = min(points[0], due)
-            _, _, _, time = sensor.doStep(time, stop - time)
-            if abs(time - stop) < 1e-12:
-                time = stop
+            _, _, _, time = sensor.doStep(time, size(time, stop))
             sensor.enterEventMode()
 
 

@@ -53,6 +53,12 @@ size = ["count"]
 description = "Surface"
 """
 
+TICK = """
+[input.tick]
+type = "Clock"
+description = "Tick"
+"""
+
 # What is changed in the good one, into what, and the words that the message must hold.
 WRONG = {
     "unknown key": ('"Gain"', '"Gain", colour = "red"', r"parameter\.gain.*unknown key colour.*known:.*unit"),
@@ -90,6 +96,32 @@ WRONG = {
         'description = "Surface"\n',
         r"surface.*no directional derivative",
     ),
+    "clock of no interval": (
+        "\n[local.points]",
+        f"{TICK}[local.points]",
+        r"input\.tick.*Clock, of no interval.*countdown",
+    ),
+    "clock of a wrong interval": (
+        "\n[local.points]",
+        f'{TICK}interval = "daily"\n[local.points]',
+        r"input\.tick.*Clock, of no interval.*triggered",
+    ),
+    "clock that is an output": (
+        "\n[local.points]",
+        f'{TICK}interval = "triggered"\n[local.points]'.replace("input.tick", "output.tick"),
+        r"output\.tick.*no scalar input",
+    ),
+    "array of clocks": (
+        "\n[local.points]",
+        f'{TICK}interval = "triggered"\nsize = 3\n[local.points]',
+        r"input\.tick.*no scalar input",
+    ),
+    "clock of a unit without events": (
+        "\n[local.points]",
+        f'{TICK}interval = "triggered"\n[local.points]',
+        r"tick is a Clock, but the unit has no events",
+    ),
+    "interval of no clock": ('"Gain"', '"Gain", interval = "countdown"', r"parameter\.gain.*no Clock"),
     "text that is no TOML": ('name = "Toy"', "name = Toy", r"Invalid value"),
     "no name": ('name = "Toy"', 'name = ""', r"name is missing"),
     "no description of the unit": ('description = "A toy"', 'description = ""', r"description is missing"),
@@ -145,6 +177,16 @@ def test_a_good_declaration_is_read_whole(loaded):
     assert unit.by_name("points").fmi == (3,)
     assert unit.groups == ["derivatives", "outputs"]
     assert unit.by_name("force_rate").terminal == ("plug.force_rate",)
+
+
+def test_a_countdown_clock_brings_what_is_remembered_of_it(loaded):
+    clock = f'{TICK}interval = "countdown"\n[local.points]'
+    unit = loaded(GOOD.replace("\n[local.points]", clock).replace("kinds =", "events = true\nkinds ="))
+    place = unit.variables.index(unit.by_name("tick"))
+    rows = unit.variables[place : place + 3]
+    assert [v.name for v in rows] == ["tick", "tick_tick", "tick_interval"]
+    assert [v.causality for v in rows] == ["input", "memory", "memory"]
+    assert unit.by_name("tick").fmi == (3,)
 
 
 @each_unit

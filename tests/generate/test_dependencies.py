@@ -23,6 +23,7 @@ PUSH = 0.3
 REACTION = 1e-9
 UNIT_VECTORS = {"axis"}
 SHORT_TIMES = {"echo_start", "time_out"}  # of milliseconds: a push of the others' size is refused
+MESHED = {"surface"}  # needs a mesh, which FMI 2 cannot carry
 
 
 class Probe:
@@ -53,7 +54,8 @@ class Probe:
         drawn = [v for v in drawn if v.name not in SHORT_TIMES]
         self.fmu.setReal([v.valueReference for v in drawn], self.numbers(name, drawn))
         choices = [v for v in self.description.modelVariables if v.causality == "parameter" and v.type == "Enumeration"]
-        entries = [1 + seed % len(v.declaredType.items) for v in choices]
+        usable = [[int(item.value) for item in v.declaredType.items if item.name not in MESHED] for v in choices]
+        entries = [values[seed % len(values)] for values in usable]
         self.fmu.setInteger([v.valueReference for v in choices], entries)
         self.fmu.setupExperiment(startTime=0.0)
         self.fmu.enterInitializationMode()

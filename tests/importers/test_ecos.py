@@ -3,8 +3,8 @@
 Its master is Jacobi: connections are passed on in initialization and after the step of all instances. What it is asked
 for it reads then, after the exchange: an output that depends directly on inputs is a step ahead of our rows, so states
 and what follows from them are compared. Errors do not show in what its calls return: only values are worth comparing.
-Of FMI 3 it takes scalars, and reads arrays as zero. An FMU with a clock it runs, and aborts when it frees it: that runs in
-a process of its own, which ends without.
+Of FMI 3 it takes scalars, and reads arrays as zero. An FMU with a clock it runs, and aborts when it frees it: that one
+runs in a process of its own, which ends without.
 """
 
 import ctypes
@@ -19,9 +19,9 @@ import numpy as np
 import pytest
 from coupled_scenes import HINGED, STEPS, each_coupled, elements
 from importer_cases import each_unit, each_version, needs
-from toy_fmu import DESCRIPTION, SOURCE, TERMINALS, build
 
 import ulna
+from toy_fmu import DESCRIPTION, SOURCE, TERMINALS, build
 from ulna.description import read_description
 
 STEP = HINGED.step

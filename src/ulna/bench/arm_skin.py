@@ -17,13 +17,11 @@ from .skinning import (
     product,
     rest_mesh,
     skinned,
-    smoothstep,
     turned,
 )
 from .tables import Table
 
 VERTICES, MEASURED_VERTICES = 20_000, 2048
-SIZES = (2048, 20_000, 200_000)
 READS = 10
 MEASURES = ("blend_volume_ratio", "minimum_section_ratio", "elbow_gap", "fold_fraction")
 UPPER, SHOULDER = about([0.3, -0.5, 0.8], 57.0), np.array([0.05, -0.10, 0.02])
@@ -111,49 +109,11 @@ def speed_and_accuracy(methods: list[str], rounds: int) -> list[Table]:
     ]
 
 
-def copied(vertex_count: int) -> Callable[[], None]:
-    """A call that moves as much memory as reading positions and normals writes, READS times: the limit."""
-    source, target = np.ones((2, 6 * vertex_count), np.float32)
+def speed(rounds: int) -> list[Table]:
+    """Every instruction set and mesh of three sizes, of the smallest alone for a single round; other libraries."""
+    from ..charts.skin_speed import SIZES, speeds, tables
 
-    def copy() -> None:
-        for _ in range(READS):
-            np.copyto(target, source)
-
-    return copy
-
-
-def by_numpy(vertex_count: int) -> Callable[[], None]:
-    """A call that skins positions and normals by the linear blend as one does in NumPy: normals by rotation alone."""
-    points, tangents = (np.float32(values) for values in rest_mesh(vertex_count))
-    rest = np.concatenate([points, np.cross(*tangents)])
-    weight = np.tile(smoothstep(points), (2, 1))
-    bones = [np.float32(turned(q, np.eye(3))) for q in (SKEW.upper, SKEW.fore)]
-
-    def skin() -> None:
-        images = [rest @ bone for bone in bones]
-        images[0] += weight * (images[1] - images[0])
-
-    return skin
-
-
-def against_the_limit(methods: list[str], rounds: int) -> list[Table]:
-    """Positions and normals of meshes of three sizes, beside a copy of as many bytes and NumPy."""
-    rows = []
-    for count in SIZES:
-        calls: dict[str, Callable[[], None]] = {"a copy of as many bytes": copied(count)}
-        for method in methods:
-            skin = posed(method, SKEW, count)
-            vertices, normal = repeated_read(skin, "vertices"), repeated_read(skin, "normals")
-            calls[method] = lambda vertices=vertices, normal=normal: (vertices(), normal())
-        repeats = rounds if count < 100_000 else max(rounds // 5, 3)
-        # by itself, since its threads go on turning after a call
-        times = side_by_side(calls, repeats) | side_by_side({"NumPy": by_numpy(count)}, repeats)
-        for name, (seconds, _) in times.items():
-            reads = 1 if name == "NumPy" else READS
-            limit = times["a copy of as many bytes"][0] / READS
-            rows.append((f"{count}: {name}", 1e9 * seconds / reads / count, seconds / reads / limit))
-    title = "Positions and normals, read through FMI into NumPy's memory. NumPy's linear blend turns normals only."
-    return [Table("ArmSkin: speed", title, ("vertices: method", "ns a vertex", "over a copy"), rows)]
+    return tables(list(speeds(max(rounds // 10, 1), SIZES if rounds > 1 else SIZES[:1])))
 
 
 def deformation(methods: list[str]) -> Table:
@@ -178,4 +138,4 @@ def deformation(methods: list[str]) -> Table:
 def bench(rounds: int) -> list[Table]:
     """Time and error of each method, and its deformation of the arm."""
     methods = choices("ArmSkin", "method")
-    return [*speed_and_accuracy(methods, rounds), *against_the_limit(methods, rounds), deformation(methods)]
+    return [*speed_and_accuracy(methods, rounds), *speed(rounds), deformation(methods)]

@@ -15,6 +15,8 @@ DISTANCES = (0.02, 0.1, 1.0)  # m
 EXACT = {"resolution": 0.0, "threshold": -150.0, "minimum_range": 0.0}
 PING = 0.05  # s, longer than any flight
 LONGEST = 3.999  # m, just within the default time-out
+SKINS = (2048, 8192, 20_000)  # vertices
+SKIN_PINGS, SKIN_PERIOD = 20, 0.06  # s
 
 
 def direction(angle: float) -> np.ndarray:
@@ -119,6 +121,68 @@ def speed_and_accuracy(fidelities: list[str], rounds: int) -> list[Table]:
     return [first, second]
 
 
+def skin(vertices: int) -> tuple[dict, int]:
+    """The mesh of a straight arm across, REACH away, as the sensor takes it; how many triangles are lit."""
+    radius = 0.045
+    values = {"upper_arm_position": [REACH + radius, -0.45, 0.0], "forearm_position": [REACH + radius, -0.15, 0.0]}
+    values |= {f"{bone}_orientation": [np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)] for bone in ("upper_arm", "forearm")}
+    values |= {"radius": radius, "vertex_count": vertices, "upper_arm_length": 0.3}
+    with started("ArmSkin", **values) as arm:
+        mesh = {name: arm.get(name) for name in ("vertices", "triangles", "normals")}
+    corners = np.float64(mesh["vertices"].T)[mesh["triangles"].reshape(-1, 3)]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lit = int(np.sum(np.sum(normals * corners[:, 0], axis=1) < 0))
+    return {"surface_vertex_count": vertices} | {f"surface_{name}": value for name, value in mesh.items()}, lit
+
+
+def mujoco_rays_at_meshes(meshes: dict[int, dict]) -> dict[Hashable, Callable[[], None]]:
+    """PINGS rays of MuJoCo in one call at each mesh; nothing where it is not installed."""
+    try:
+        import mujoco
+    except ModuleNotFoundError:
+        return {}
+    calls = {}
+    for vertices, mesh in meshes.items():
+        rows = mesh["surface_triangles"].reshape(-1, 3)
+        spec = mujoco.MjSpec()
+        faces = rows[rows[:, 1] != rows[:, 2]]
+        spec.add_mesh(name="arm", uservert=mesh["surface_vertices"].T.ravel(), userface=faces.ravel())
+        spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname="arm")
+        model = spec.compile()
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        rays, geoms, lengths = np.tile([1.0, 0.0, 0.0], PINGS), np.zeros(PINGS, np.int32), np.zeros(PINGS)
+        arguments = (model, data, np.zeros(3), rays, None, True, -1, geoms, lengths, None, PINGS, 1e3)
+        mujoco.mj_multiRay(*arguments)
+        if abs(lengths[-1] - REACH) > 1e-3:
+            raise ValueError(f"MuJoCo's ray to the arm is {lengths[-1]} m long, not {REACH}")
+        calls[vertices] = partial(mujoco.mj_multiRay, *arguments)
+    return calls
+
+
+def meshes(rounds: int) -> Table:
+    """What a ping of `surface` at ArmSkin's mesh costs, and a ray of MuJoCo's at the same."""
+    found = {vertices: skin(vertices) for vertices in SKINS}
+    rays = mujoco_rays_at_meshes({vertices: mesh for vertices, (mesh, _) in found.items()})
+    calls: dict[Hashable, Callable[[], None]] = {("ray", vertices): call for vertices, call in rays.items()}
+    for vertices, (mesh, _) in found.items():
+        sensor = started("UltrasonicSensor", **mesh, fidelity="surface", period=SKIN_PERIOD)
+        calls["ping", vertices] = repeated_step(sensor, SKIN_PINGS * SKIN_PERIOD)
+    cost = side_by_side(calls, rounds)
+    rows = []
+    for vertices, (_, lit) in found.items():
+        ping = cost["ping", vertices][0] / SKIN_PINGS
+        beside = [cost["ray", vertices][0] / PINGS * 1e9] if rays else []
+        rows.append((f"{vertices} vertices", lit, ping * 1e6, ping / lit * 1e9, *beside))
+    return Table(
+        "UltrasonicSensor: surface",
+        f"One doStep of {SKIN_PINGS} pings at ArmSkin's mesh, {REACH:g} m away"
+        + ("; in the same run rays of MuJoCo along the axis at the same mesh." if rays else "."),
+        ("mesh", "lit triangles", "us a ping", "ns a lit triangle", *(["ns a ray"] if rays else [])),
+        rows,
+    )
+
+
 def moving_targets(fidelities: list[str]) -> Table:
     """Time of flight to a sphere that comes straight at the sensor."""
     speed = heard("specular", "speed_of_sound", {})
@@ -180,5 +244,5 @@ def hearing() -> Table:
 
 def bench(rounds: int) -> list[Table]:
     """Time and errors of each fidelity, and what the default sensor hears."""
-    fidelities = choices("UltrasonicSensor", "fidelity")
-    return [*speed_and_accuracy(fidelities, rounds), moving_targets(fidelities), hearing()]
+    fidelities = [name for name in choices("UltrasonicSensor", "fidelity") if name != "surface"]  # which needs a mesh
+    return [*speed_and_accuracy(fidelities, rounds), meshes(rounds), moving_targets(fidelities), hearing()]

@@ -19,7 +19,7 @@ CHARTS = {"rigid-body": rigid_body, "coupling": coupling, "skin": skin, "sensor"
 
 def chart(
     name: Annotated[str, typer.Argument(metavar="CHART", help=f"Which chart: {', '.join(CHARTS)}.")],
-    quick: Annotated[bool, typer.Option("--quick", help="Fewer points and repeats, within half a minute.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer points and repeats, within a minute.")] = False,
     out: Annotated[Path | None, typer.Option(help="Folder to write to; default: results/chart-CHART.")] = None,
 ) -> None:
     """Draws accuracy against time: of solvers beside other libraries, couplings of an arm, skins, the sensor."""

@@ -28,6 +28,8 @@ LOOKS = {
 }
 NEW = ("#666666", "h")
 """Of a fidelity that the table does not know."""
+STYLES = {Rays.NAME: ":", "automatic": (0, (4, 4))}
+"""Of curves that lie on another: the ray's, and those of `specular`."""
 LEAST = 1e-3  # mm: errors below are drawn here
 NOTES = """Range error: c/2 times the echo width, against when the truth's sum of echoes passes the threshold; at the \
 poses at which both hear. Agree: both hear, or neither does; before a wall, both within {same:g} mm. {poses} poses of \
@@ -48,11 +50,11 @@ class Found(NamedTuple):
         return list(dict.fromkeys(row.name for row in self.costs))
 
     def accuracy(self, name: str, truth: str) -> Accuracy | None:
-        """None where it was not measured."""
+        """None where it cannot be: no mesh is endless."""
         return next((row for row in self.accuracies if (row.name, row.truth) == (name, truth)), None)
 
     def cost(self, name: str, truth: str) -> float | None:
-        """ns of a ping."""
+        """ns of a ping; None where there is no accuracy."""
         return next((1e9 * row.seconds for row in self.costs if (row.name, row.truth) == (name, truth)), None)
 
 
@@ -112,13 +114,11 @@ def _table(ax: Axes, found: Found) -> None:
 def cells(found: Found, name: str) -> Iterator[Cell]:
     """Of a row: time of a ping over all targets, then for each truth range error and detection."""
     costs = [cost for cost in (found.cost(name, truth) for truth in TRUTHS) if cost is not None]
-    yield Cell(
-        f"{min(costs):.0f} to {max(costs):.0f}" if max(costs) < 1e4 else f"{min(costs):.1g} to {max(costs):.1g}", None
-    )
+    yield Cell(f"{_short(min(costs))} to {_short(max(costs))}", None)
     for truth in TRUTHS:
         row = found.accuracy(name, truth)
         if row is None:
-            yield from [Cell("none", None)] * 2
+            yield from [Cell("endless", None), Cell("", None)]
             continue
         half, most = (1e3 * percentile(row.errors, share) for share in (50, 95))
         yield Cell(f"{_short(half)} / {_short(most)}", GOOD if most <= 1.0 else FAIR if most <= 5.0 else BAD)
@@ -128,7 +128,7 @@ def cells(found: Found, name: str) -> Iterator[Cell]:
 
 
 def _short(value: float) -> str:
-    return f"{value:.3g}" if value < 1000.0 else f"{value:.0f}"
+    return f"{value:.3g}" if value < 1e3 else f"{value:.0f}" if value < 1e4 else f"{1e-3 * value:.0f}k"
 
 
 def _cost(ax: Axes, found: Found, truth: str, first: bool) -> None:
@@ -140,8 +140,9 @@ def _cost(ax: Axes, found: Found, truth: str, first: bool) -> None:
         color, mark = look(name)
         half, most = (max(1e3 * percentile(row.errors, share), LEAST) for share in (50, 95))
         ax.plot([cost, cost], [half, most], color=color, linewidth=1.2, alpha=0.6)
-        ax.plot(cost, most, mark, color=color, markersize=8, label=name)
-        ax.plot(cost, half, mark, color=color, markersize=4.5)
+        face = "none" if name == "automatic" else color
+        ax.plot(cost, most, mark, color=color, markersize=8, markerfacecolor=face)
+        ax.plot(cost, half, mark, color=color, markersize=4.5, markerfacecolor=face)
     ax.set(xscale="log", yscale="log", xlim=(10, 1e7 if "surface" in found.names else 1e4), ylim=(LEAST, 3e4))
     _name(ax, truth, "ns a ping", "range error, mm" if first else "")
     if not first:
@@ -159,7 +160,7 @@ def _spread(ax: Axes, found: Found, truth: str, first: bool) -> None:
             continue
         share = (row.silent + np.arange(len(row.errors) + 1)) / row.poses
         errors = [LEAST, *np.maximum(1e3 * np.array(row.errors), LEAST), 3e3]
-        style = ":" if name == Rays.NAME else "-"
+        style = STYLES.get(name, "-")
         ax.step(errors, [*share, share[-1]], style, color=look(name)[0], where="post")
     ax.set(xscale="log", xlim=(LEAST, 3e3), ylim=(0, 1.02))
     _name(ax, "", "allowed range error, mm", "share of poses right" if first else "")

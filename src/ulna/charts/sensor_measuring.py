@@ -68,7 +68,7 @@ class Surface:
 
     vertices: int
     lit: int
-    """Of them, those that both ears see."""
+    """Triangles that both ears see, each a point of the integral."""
     seconds: float
 
 
@@ -88,11 +88,12 @@ def takes(fidelity: str, pose: Pose) -> bool:
 
 
 def posed(fidelity: str, pose: Pose, **settings: Any) -> Any:
-    """A sensor before a pose, initialized; nothing is rounded. `surface` gets a mesh, `automatic` the body's too."""
-    values = pose.endless if fidelity == "surface" else pose.inputs
-    if pose.mesh and fidelity in ("surface", "automatic"):
-        mesh = pose.mesh()
-        values = {"surface_vertex_count": len(mesh.vertices)} | values | mesh.inputs
+    """A sensor before a pose, initialized; nothing is rounded. `surface` gets a mesh, `automatic` beside a capsule."""
+    values = pose.inputs
+    if pose.mesh and fidelity == "surface":
+        values = pose.mesh().inputs | pose.behind
+    elif pose.mesh and fidelity == "automatic" and "capsule_1_radius" in pose.inputs:
+        values = pose.mesh().inputs | pose.inputs
     return started("UltrasonicSensor", **values, fidelity=fidelity, resolution=0.0, **settings)
 
 
@@ -187,9 +188,9 @@ def facing_arm() -> Surface:
 
 
 def many_pings(make: Callable[[], Any], period: float) -> tuple[int, Callable[[], None]]:
-    """As many pings, by powers of two, as take LONG_ENOUGH, at most PINGS; and the call that takes them in one step."""
+    """So many pings that they take LONG_ENOUGH or, by powers of 8, more; and the call that takes them in one step."""
     count, call = 4, repeated_step(make(), 4 * period)
-    while count * 2 <= PINGS and min(repeat(call, number=1, repeat=3)) < LONG_ENOUGH:
-        count *= 2
+    while count < PINGS and min(repeat(call, number=1, repeat=3)) < LONG_ENOUGH:
+        count *= 8
         call = repeated_step(make(), count * period)
     return count, call

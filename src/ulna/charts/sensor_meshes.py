@@ -1,7 +1,7 @@
 """Triangle meshes of simple bodies, fine enough for an echo at 40 kHz: what the sensor's `surface` is fed with."""
 
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,24 +16,34 @@ class TriangleMesh(NamedTuple):
 
     vertices: Array
     """[n, 3] m"""
+    normals: Array
+    """[n, 3], of length 1"""
     triangles: NDArray[np.int32]
     """[m, 3]"""
 
     @property
-    def inputs(self) -> dict[str, NDArray]:
-        """As the sensor takes it: all x, all y, all z; two triangles a vertex, what is left over at vertex 0."""
+    def inputs(self) -> dict[str, Any]:
+        """As the sensor takes it, the size first: all x, all y, all z; two triangles a vertex, the rest at vertex 0."""
         rows = np.zeros((2 * len(self.vertices), 3), np.int32)
         rows[: len(self.triangles)] = self.triangles
-        corners = rows.reshape(2, len(self.vertices), 3)
-        return {"surface_vertices": self.vertices.T.astype(np.float32), "surface_triangles": corners}
+        return {
+            "surface_vertex_count": len(self.vertices),
+            "surface_vertices": self.vertices.T,
+            "surface_normals": self.normals.T,
+            "surface_triangles": rows.reshape(2, -1, 3),
+        }
+
+    def moved(self, offset: Array) -> "TriangleMesh":
+        """The same elsewhere, by [3] m."""
+        return self._replace(vertices=self.vertices + offset)
 
     def lit(self, ears: tuple[Array, Array]) -> int:
-        """How many vertices have a triangle that both ears are outside of."""
+        """How many triangles both ears are outside of."""
         a, b, c = np.moveaxis(self.vertices[self.triangles], 1, 0)
         normals, seen = np.cross(b - a, c - a), np.ones(len(a), bool)
         for ear in ears:
             seen &= np.sum(normals * (ear - a), axis=1) > 0
-        return len(np.unique(self.triangles[seen]))
+        return int(np.count_nonzero(seen))
 
 
 def capsule(start: Array, end: Array, radius: float, spacing: float = SPACING) -> TriangleMesh:
@@ -47,8 +57,10 @@ def capsule(start: Array, end: Array, radius: float, spacing: float = SPACING) -
     axis = (end - start) / length if length else np.array([1.0, 0.0, 0.0])
     side = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     side /= np.linalg.norm(side)
-    mesh = revolved(profile, spacing)
-    return TriangleMesh(start + mesh.vertices @ np.array([axis, side, np.cross(axis, side)]), mesh.triangles)
+    vertices, triangles = revolved(profile, spacing)
+    normals = vertices - np.clip(vertices[:, :1], 0.0, length) * [1.0, 0.0, 0.0]
+    turn = np.array([axis, side, np.cross(axis, side)])
+    return TriangleMesh(start + vertices @ turn, normals @ turn / radius, triangles)
 
 
 def sphere(center: Array, radius: float, spacing: float = SPACING) -> TriangleMesh:
@@ -56,8 +68,8 @@ def sphere(center: Array, radius: float, spacing: float = SPACING) -> TriangleMe
     return capsule(center, center, radius, spacing)
 
 
-def revolved(profile: Array, spacing: float) -> TriangleMesh:
-    """A body about +x from rings (x, radius), [k, 2] m; those of no radius are one vertex."""
+def revolved(profile: Array, spacing: float) -> tuple[Array, NDArray[np.int32]]:
+    """Vertices and triangles of a body about +x of rings (x, radius), [k, 2] m; those of no radius are one vertex."""
     counts = [max(3, int(np.ceil(2 * np.pi * r / spacing))) if r > 1e-9 else 1 for _, r in profile]
     rings, strips, first = [], [], 0
     for (x, r), count in zip(profile, counts, strict=True):
@@ -68,7 +80,7 @@ def revolved(profile: Array, spacing: float) -> TriangleMesh:
         first += near
     triangles = np.concatenate(strips)
     a, b, c = triangles.T
-    return TriangleMesh(np.concatenate(rings), triangles[(a != b) & (b != c) & (c != a)].astype(np.int32))
+    return np.concatenate(rings), triangles[(a != b) & (b != c) & (c != a)].astype(np.int32)
 
 
 def stitched(near: int, far: int) -> NDArray[np.int64]:
@@ -83,7 +95,7 @@ def stitched(near: int, far: int) -> NDArray[np.int64]:
 
 def box(center: Array, axes: Array, size: Array, spacing: float = SPACING) -> TriangleMesh:
     """A box, its axes as rows of `axes`; each face by itself."""
-    vertices, triangles = [], []
+    faces, triangles, count = [], [], 0
     for i in range(3):
         for sign in (-1.0, 1.0):
             second, third = (i + 1) % 3, (i + 2) % 3
@@ -93,9 +105,11 @@ def box(center: Array, axes: Array, size: Array, spacing: float = SPACING) -> Tr
                 axes[third] * size[third],
                 spacing,
             )
-            triangles.append(face.triangles + sum(map(len, vertices)))
-            vertices.append(face.vertices)
-    return TriangleMesh(np.concatenate(vertices), np.concatenate(triangles))
+            faces.append(face)
+            triangles.append(face.triangles + count)
+            count += len(face.vertices)
+    vertices, normals = (np.concatenate([getattr(face, name) for face in faces]) for name in ("vertices", "normals"))
+    return TriangleMesh(vertices, normals, np.concatenate(triangles))
 
 
 def rectangle(center: Array, first: Array, second: Array, spacing: float = SPACING) -> TriangleMesh:
@@ -105,4 +119,6 @@ def rectangle(center: Array, first: Array, second: Array, spacing: float = SPACI
     vertices = center + a.reshape(-1, 1) * first + b.reshape(-1, 1) * second
     corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).reshape(-1)
     halves = [[corner, corner + columns, corner + 1], [corner + 1, corner + columns, corner + columns + 1]]
-    return TriangleMesh(vertices, np.concatenate([np.stack(half, axis=1) for half in halves]).astype(np.int32))
+    normal = np.cross(first, second)
+    normals = np.tile(normal / np.linalg.norm(normal), (len(vertices), 1))
+    return TriangleMesh(vertices, normals, np.concatenate([np.stack(h, axis=1) for h in halves]).astype(np.int32))

@@ -63,5 +63,5 @@ def speed(costs: Sequence[Cost], bare: Mapping[str, float], surface: Surface | N
     yield Statement("specular, plane, sphere and capsule at a time: ns a primitive", each, PER_PRIMITIVE, True, note)
     if surface:
         point = 1e9 * (surface.seconds - bare["nothing"]) / surface.lit
-        note = f"{surface.lit} of {surface.vertices} lit, {1e6 * surface.seconds:.0f} us a ping"
-        yield Statement("surface: ns a lit point", point, PER_POINT, True, note)
+        note = f"{surface.lit} triangles of {surface.vertices} vertices, {1e6 * surface.seconds:.0f} us a ping"
+        yield Statement("surface: ns a lit point (triangle)", point, PER_POINT, True, note)

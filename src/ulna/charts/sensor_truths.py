@@ -30,8 +30,8 @@ class Pose:
     """Of the device of `models/ultrasonic_sensor/hearing.py`."""
     mesh: Callable[[], meshes.TriangleMesh] | None = None
     """Of the body; None where it has none."""
-    endless: dict[str, Any] = field(default_factory=dict)
-    """Those of the inputs that no mesh stands for: a plane's."""
+    behind: dict[str, Any] = field(default_factory=dict)
+    """Those of the inputs that the mesh does not stand for: a wall's."""
 
 
 def theory() -> SimpleNamespace:

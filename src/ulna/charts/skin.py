@@ -8,12 +8,13 @@ from pathlib import Path
 from .draw_skin import draw_skin
 from .machine import machine
 from .skin_measuring import COST_VERTICES, FULL, QUICK, costs, shapes
+from .skin_speed import speeds
 from .skin_statements import skin_statements
 from .skin_strip import draw_strip
 from .statements import Statement
 
 UNITS = {
-    "seconds": "s of a vertex, position and normal where there is one",
+    "seconds": "s of a vertex, position and normal where there is one; of speeds CPU time",
     "angle": "degrees",
     "volume_error": "1, of the blend zone",
     "bulge": "radii",
@@ -34,7 +35,8 @@ def skin(folder: Path, quick: bool = False, say: Callable[[str], None] = lambda 
     say("cost of a vertex")
     prices = costs(effort)
     rows = list(shapes(effort, say))
-    found = skin_statements(prices, rows, effort.vertices)
+    fast = list(speeds(effort.rounds, effort.sizes, say))
+    found = skin_statements(fast, rows, effort.vertices)
     folder.mkdir(parents=True, exist_ok=True)
     document = {
         "machine": here,
@@ -42,6 +44,7 @@ def skin(folder: Path, quick: bool = False, say: Callable[[str], None] = lambda 
         "vertices": {"cost": COST_VERTICES, "shape": effort.vertices},
         "costs": [asdict(price) for price in prices],
         "shapes": [asdict(row) for row in rows],
+        "speeds": [asdict(speed) for speed in fast],
         "statements": [{**asdict(statement), "holds": statement.holds} for statement in found],
     }
     (folder / "skin.json").write_text(json.dumps(document, indent=1) + "\n")

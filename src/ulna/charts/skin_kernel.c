@@ -19,7 +19,7 @@ typedef struct Kernel {
     float *source; /* rows that the loops without arithmetic read */
 } Kernel;
 
-enum { READ_ROWS = 10, WRITTEN_ROWS = 6 };
+enum { READ_ROWS = 10 };
 
 void kernel_close(Kernel *kernel)
 {
@@ -57,18 +57,50 @@ Kernel *kernel_open(const char *resources, long method, long vertex_count, doubl
         kernel_close(kernel);
         return NULL;
     }
+    /* memory that was never written is one page of zeros to the processor */
+    for (size_t i = 0; i < (size_t)skin->vertex_count * READ_ROWS; i++) {
+        kernel->source[i] = 1.0f;
+    }
     return kernel;
 }
 
-/* Six rows written: the same number, the first six rows of the source, or these and four more that are read. */
-INLINED void move_any(int read, const float *restrict source, size_t n, float *restrict out)
+/* Row after row: what is read is added up, so that nothing of it is left out. */
+INLINED void move_rows(size_t read, size_t written, const float *restrict source, size_t n, float *restrict out)
 {
-    for (size_t row = 0; row < WRITTEN_ROWS; row++) {
-        const float *first = source + row * n, *second = source + (row + WRITTEN_ROWS) * n;
-        bool two = read == READ_ROWS && row + WRITTEN_ROWS < READ_ROWS;
-        for (size_t i = 0; i < n; i++) {
-            out[row * n + i] = two ? first[i] + second[i] : read ? first[i] : 1.0f;
+    for (size_t row = 0; row < written; row++) {
+        const float *a = source + row * n, *b = a + written * n, *c = b + written * n, *d = c + written * n;
+        float *to = out + row * n;
+        if (row + 3 * written < read) {
+            for (size_t i = 0; i < n; i++) {
+                to[i] = (a[i] + b[i]) + (c[i] + d[i]);
+            }
+        } else if (row + 2 * written < read) {
+            for (size_t i = 0; i < n; i++) {
+                to[i] = a[i] + b[i] + c[i];
+            }
+        } else if (row + written < read) {
+            for (size_t i = 0; i < n; i++) {
+                to[i] = a[i] + b[i];
+            }
+        } else {
+            for (size_t i = 0; i < n; i++) {
+                to[i] = read ? a[i] : 1.0f;
+            }
         }
+    }
+}
+
+/* Six rows written: from none; from seven, those of a skin in one pass, position, normal and weight; or as an imported
+ * mesh has them, three from four, then three from ten. */
+INLINED void move_any(int read, const float *source, size_t n, float *out)
+{
+    if (read == 14) {
+        move_rows(4, 3, source, n, out);
+        move_rows(10, 3, source, n, out + 3 * n);
+    } else if (read) {
+        move_rows(7, 6, source, n, out);
+    } else {
+        move_rows(0, 6, source, n, out);
     }
 }
 
@@ -143,7 +175,7 @@ double kernel_seconds(const Kernel *kernel, int level, bool normals, float *out,
     return now() - start;
 }
 
-/* Seconds for `count` times six rows written, from `read` rows: 0, 6 or 10. */
+/* Seconds for `count` times six rows written, from `read` rows: 0, 7 or 14. */
 double move_seconds(const Kernel *kernel, int level, int read, float *out, long count)
 {
     double start = now();

@@ -65,7 +65,7 @@ class Kernel:
         return library().kernel_seconds(self._handle, LEVELS.index(level), normals, self._out.ctypes.data, count)
 
     def limit(self, level: str, read: int, count: int) -> float:
-        """s for the memory traffic alone: six numbers written a vertex, and 0, 6 or 10 read."""
+        """s for the memory traffic alone: six numbers written a vertex, and 0, 7 or 14 read."""
         return library().move_seconds(self._handle, LEVELS.index(level), read, self._out.ctypes.data, count)
 
 

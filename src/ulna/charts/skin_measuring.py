@@ -53,9 +53,11 @@ class Effort:
     spacing: int
     """Degrees between angles, a divisor of 30."""
     rounds: int
+    sizes: tuple[int, ...]
+    """Vertices of the meshes whose speed is measured."""
 
 
-FULL, QUICK = Effort(8192, 5, 31), Effort(2048, 30, 5)
+FULL, QUICK = Effort(8192, 5, 31, (2048, 20_000, 200_000)), Effort(2048, 30, 5, (2048, 20_000))
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,9 @@ from itertools import takewhile
 from math import cos, radians
 
 from ..bench.skinning import SPOKES
-from .skin_measuring import Cost, Shape
+from .skin_kernel import levels
+from .skin_measuring import Shape
+from .skin_speed import Speed, nanoseconds
 from .statements import Statement
 
 LOST = {"flexion": 9 / 70, "twist": 9 / 35}
@@ -28,9 +30,9 @@ def is_sound(shape: Shape) -> bool:
     return kept and shape.stretch < STRETCH and shape.fold_fraction == 0.0
 
 
-def skin_statements(costs: Sequence[Cost], shapes: Sequence[Shape], vertices: int) -> list[Statement]:
-    """All that costs and shapes of meshes of so many vertices say."""
-    return [*closed_forms(shapes, vertices), *normals(shapes), *ordering(shapes), *speed(costs)]
+def skin_statements(found: Sequence[Speed], shapes: Sequence[Shape], vertices: int) -> list[Statement]:
+    """All that speeds, and shapes of meshes of so many vertices, say."""
+    return [*closed_forms(shapes, vertices), *normals(shapes), *ordering(shapes), *speed(found)]
 
 
 def closed_forms(shapes: Sequence[Shape], vertices: int) -> Iterator[Statement]:
@@ -66,18 +68,39 @@ def ordering(shapes: Sequence[Shape]) -> Iterator[Statement]:
         yield Statement(claim, (ours.bulge - 1) / (hinge.bulge - 1), 0.7, True, f"{ours.bulge:.3f}, {hinge.bulge:.3f}")
 
 
-PEER_BOUNDS = {"NumPy, linear blend": 8.0, "UsdSkel, linear blend": 8.0, "UsdSkel, dual quaternion": 15.0}
+PEER_BOUNDS = {"UsdSkel, linear blend": 8.0, "UsdSkel, dual quaternion": 15.0}
+READ_SIZE = 20_000
+"""Vertices of a read through FMI beside the kernel by itself."""
 
 
-def speed(costs: Sequence[Cost]) -> Iterator[Statement]:
-    """Of the dual quaternions to the linear blend, and of the peers that give normals to the same method."""
-    own = {cost.name: 1e9 * cost.seconds for cost in costs}
-    pair = own["dual_quaternion"], own["linear_blend"]
-    note = "{:.2f} and {:.2f} ns".format(*pair)
-    yield Statement("a vertex of dual_quaternion over one of linear_blend", pair[0] / pair[1], 1.6, True, note)
-    for cost in costs:
-        if cost.name in PEER_BOUNDS:
-            pair = own[cost.name], own[cost.method]
-            note = "{:.3g} and {:.2f} ns, positions and normals".format(*pair)
-            claim = f"a vertex of {cost.name}, over one of {cost.method}"
-            yield Statement(claim, pair[0] / pair[1], PEER_BOUNDS[cost.name], False, note)
+def speed(found: Sequence[Speed]) -> Iterator[Statement]:
+    """Of the largest mesh over the traffic of memory, of methods over each other, of a read, and of UsdSkel."""
+    times = nanoseconds(found)
+    sizes = sorted({s.vertices for s in found})
+    most, widest = sizes[-1], levels()[-1]
+
+    def held(claim: str, pair: tuple[float, float], bound: float, most: bool = True) -> Statement:
+        note = "{:.3g} and {:.3g} ns".format(*pair)
+        return Statement(f"a vertex of {claim}", pair[0] / pair[1], bound, most, note)
+
+    for kind, limit, bounds in (("rings", "7 numbers read", (1.8, 1.2)), ("mesh", "14 numbers read", (2.5, 2.5))):
+        for level, bound in zip(levels()[1:], bounds, strict=False):
+            pair = times[most, f"{kind}, linear_blend", level, True], times[most, limit, level, True]
+            yield held(f"linear_blend, {kind}, {level}, {most}: over a loop of {limit}, 6 written", pair, bound)
+    for method, bound, kinds in (("dual_quaternion", 1.6, ("rings", "mesh")), ("hinge", 0.5, ("rings", "mesh"))):
+        for kind in kinds:
+            pair = tuple(times[most, f"{kind}, {name}", widest, True] for name in (method, "linear_blend"))
+            yield held(f"{method}, {kind}, {widest}, {most}: over linear_blend", pair, bound)
+    if READ_SIZE in sizes:
+        pair = tuple(times[READ_SIZE, f"{who}, linear_blend", widest, True] for who in ("FMI", "rings"))
+        yield held(f"linear_blend read through FMI, {READ_SIZE}: over the kernel by itself", pair, 1.5)
+    for peer, bound in PEER_BOUNDS.items():
+        method = "dual_quaternion" if "dual" in peer else "linear_blend"
+        pairs = [
+            (times[count, peer, "", False], times[count, f"rings, {method}", widest, False])
+            for count in sizes
+            if (count, peer, "", False) in times
+        ]
+        if pairs:
+            least = min(pairs, key=lambda pair: pair[0] / pair[1])
+            yield held(f"{peer}, positions alone, any size: over {method}", least, bound, most=False)

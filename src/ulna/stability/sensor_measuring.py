@@ -1,12 +1,13 @@
 """Where the sensor's fidelities fail, measured on the FMU: over pose, gap, temperature and grazing angle; its beam."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 
 from ..bench.measuring import choices, started
+from ..charts.sensor_meshes import capsule
 from ..slave import Slave
 from . import sensor_theory as theory
 
@@ -66,7 +67,7 @@ class Ears:
 
     def __init__(self, fidelity: str, **values: Any):
         """Nothing is rounded."""
-        self._sensor: Slave = started("UltrasonicSensor", **({"fidelity": fidelity, "resolution": 0.0} | values))
+        self._sensor: Slave = started("UltrasonicSensor", **values, fidelity=fidelity, resolution=0.0)
         self._start = self._sensor.save()
         self.air = theory.Air(self._sensor.get("speed_of_sound"), self._sensor.get("absorption"))
 
@@ -83,16 +84,39 @@ class Ears:
         return bool(self.ping(inputs, "valid")[0])
 
 
+def takes(fidelity: str, target: str) -> bool:
+    """Whether it can be put before it: no mesh is endless."""
+    return fidelity != "surface" or target != "plane"
+
+
+def before(fidelity: str, target: str) -> tuple[Ears, Callable[[float, float], dict[str, Any]]]:
+    """A sensor, and what its inputs are by distance (m) and angle (rad) of a target.
+
+    `surface` gets a ball and a forearm as meshes, `automatic` a forearm's beside its capsule.
+    """
+    made, _, radius = TARGETS[target]
+    half = {"sphere": 0.0, "forearm": ARM_LENGTH / 2}.get(target)
+    if half is None or fidelity not in ("surface", "automatic") or (fidelity, target) == ("automatic", "sphere"):
+        return Ears(fidelity), made
+    mesh = capsule(np.array([0.0, -half, 0.0]), np.array([0.0, half, 0.0]), radius)
+
+    def placed(distance: float, aside: float) -> dict[str, Any]:
+        moved = {"surface_vertices": mesh.moved((distance + radius) * direction(aside)).vertices.T}
+        return moved if fidelity == "surface" else moved | made(distance, aside)
+
+    return Ears(fidelity, **mesh.inputs), placed
+
+
 def measure_sensor(quick: bool = False) -> dict[str, Any]:
     """All that the map shows: cells by verdict, interference, temperature, grazing planes, and the beam."""
     side = 14 if quick else 40
     fidelities = choices("UltrasonicSensor", "fidelity")
     return {
         "about": {"threshold": THRESHOLD, "wrong": WRONG, "side": side, "fidelities": fidelities},
-        "cells": [row for fidelity in fidelities for target in MAPS for row in cells(fidelity, target, side)],
+        "cells": [row for f in fidelities for t in MAPS if takes(f, t) for row in cells(f, t, side)],
         "gaps": list(gaps(25 if quick else 97)),
         "temperatures": list(temperatures(10.0 if quick else 5.0)),
-        "grazing": [row for fidelity in fidelities for row in grazing(fidelity, 6.0 if quick else 2.0)],
+        "grazing": [row for f in fidelities if takes(f, "plane") for row in grazing(f, 6.0 if quick else 2.0)],
         "beam": [row for target in TARGETS for row in beam(target, 15.0 if quick else 3.0)],
     }
 
@@ -115,14 +139,14 @@ def verdict(heard: bool, audible: bool, error: float) -> str:
 
 def cells(fidelity: str, target: str, side: int) -> Iterator[dict[str, Any]]:
     """Over range, and tilt or offset."""
-    ears = Ears(fidelity)
-    made, mirror, radius = TARGETS[target]
+    ears, placed = before(fidelity, target)
+    _, mirror, radius = TARGETS[target]
     asides = np.linspace(0.0, 85.0 if target == "plane" else 1.2, side)
     for reach in np.linspace(0.2, 3.95, side):
         for aside in asides:
             distance, angle = place(target, float(reach), float(aside))
             level = theory.level(mirror, distance, angle, radius, ears.air)
-            heard, read = ears.ping(made(distance, angle), "valid", "distance")
+            heard, read = ears.ping(placed(distance, angle), "valid", "distance")
             audible = level >= THRESHOLD and NEAREST < distance < FARTHEST
             where = {"fidelity": fidelity, "target": target, "range": float(reach), "aside": float(aside)}
             said = {"level": level, "heard": heard, "error": read - distance if heard else math.nan}

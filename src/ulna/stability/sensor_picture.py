@@ -52,6 +52,8 @@ TITLES = {
     "sphere": (f"ball, radius {100 * SPHERE_RADIUS:g} cm", "offset, m"),
     "forearm": ("forearm across", "offset, m"),
 }
+GRAZED = ("ray", "cone", "specular")
+"""To a plane `automatic` is `specular`."""
 BEAMS = {
     "plane": ("wall, turned", "#1f5f99", "o"),
     "forearm": ("forearm across", "#d55e00", "D"),
@@ -67,17 +69,18 @@ def draw_sensor(found: dict[str, Any], *paths: str | PathLike) -> None:
     _legend(figure.add_axes((0.03, 0.915, 0.94, 0.035)))
     fidelities = found["about"]["fidelities"]
     maps = figure.add_gridspec(
-        3, len(fidelities), left=0.045, right=0.60, bottom=0.35, top=0.885, wspace=0.1, hspace=0.36
+        3, len(fidelities), left=0.06, right=0.66, bottom=0.35, top=0.88, wspace=0.09, hspace=0.3
     )
     for row, target in enumerate(MAPS):
         for column, fidelity in enumerate(fidelities):
             ax = figure.add_subplot(maps[row, column])
             _map(ax, found, fidelity, target)
-            name(ax, f"{fidelity}: {TITLES[target][0]}", TITLES[target][1], "" if column else "range, m")
+            words, aside = TITLES[target]
+            name(ax, "" if row else fidelity, aside, "" if column else f"{words}\nrange, m")
             ax.grid(visible=False)
             if column:
                 ax.tick_params(labelleft=False)
-    _beam(figure.add_axes((0.625, 0.345, 0.355, 0.56), projection="polar"), found)
+    _beam(figure.add_axes((0.675, 0.37, 0.31, 0.5), projection="polar"), found)
     curves = figure.add_gridspec(1, 4, left=0.045, right=0.985, bottom=0.05, top=0.285, wspace=0.24)
     for place_, panel in enumerate((_gaps, _temperatures, _errors, _levels)):
         panel(figure.add_subplot(curves[0, place_]), found)
@@ -104,7 +107,8 @@ def _map(ax: Axes, found: dict[str, Any], fidelity: str, target: str) -> None:
     """Cells by verdict, and the border of theory."""
     cells = [row for row in found["cells"] if (row["fidelity"], row["target"]) == (fidelity, target)]
     if not cells:
-        ax.text(0.5, 0.5, "no mesh is endless", transform=ax.transAxes, ha="center", color="#777777")
+        ax.text(0.5, 0.5, "no mesh\nis endless", transform=ax.transAxes, ha="center", va="center", color="#777777")
+        ax.set(xticks=[], yticks=[])
         return
     asides, ranges = (np.unique([row[key] for row in cells]) for key in ("aside", "range"))
     kinds = list(VERDICTS)
@@ -148,8 +152,8 @@ def _beam(ax: PolarAxes, found: dict[str, Any]) -> None:
     ax.set_thetamin(-80)
     ax.set_thetamax(80)
     ax.set_rlim(0, FARTHEST)
-    ax.set_title("The beam that emerges: heard up to, m; marks measured, lines theory", fontsize=12, pad=14)
-    ax.legend(fontsize=10, loc="lower center", bbox_to_anchor=(0.5, -0.02), ncols=2, frameon=False)
+    ax.set_title("The beam that emerges: heard up to, m\nmarks measured, lines theory", fontsize=12, pad=10)
+    ax.legend(fontsize=10, loc="lower center", bbox_to_anchor=(0.5, -0.06), ncols=2, frameon=False)
     ax.grid(alpha=0.35, linewidth=0.6)
 
 
@@ -188,7 +192,7 @@ def _temperatures(ax: Axes, found: dict[str, Any]) -> None:
 def _errors(ax: Axes, found: dict[str, Any]) -> None:
     tilts = np.linspace(0, 85, 200)
     known = {"ray": theory.ray_error, "cone": lambda tilt: theory.cone_error(tilt, FIELD_OF_VIEW)}
-    for fidelity in dict.fromkeys(row["fidelity"] for row in found["grazing"]):
+    for fidelity in GRAZED:
         rows = [row for row in found["grazing"] if row["fidelity"] == fidelity]
         color, mark = look(fidelity)
         if fidelity in known:
@@ -206,7 +210,7 @@ def _levels(ax: Axes, found: dict[str, Any]) -> None:
     tilts = np.linspace(0, 88, 300)
     curve = [theory.level("plane", GRAZED_FROM, math.radians(tilt), 0.0, theory.air()) for tilt in tilts]
     ax.plot(tilts, curve, color="black", linewidth=1.4, label="theory")
-    for fidelity in dict.fromkeys(row["fidelity"] for row in found["grazing"]):
+    for fidelity in GRAZED:
         rows = [row for row in found["grazing"] if row["fidelity"] == fidelity]
         color, mark = look(fidelity)
         ax.plot([r["tilt"] for r in rows], [r["level"] for r in rows], mark, color=color, markersize=4, label=fidelity)

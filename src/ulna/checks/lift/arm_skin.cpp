@@ -59,6 +59,7 @@ static Vector vertex_of(Lift &lift, int method, bool normals, Holder holder = FO
     std::copy(rows, rows + VERTEX_ROWS, mesh.vertex_row);
     Vector vertex;
     (normals ? each_normal : each_vertex)(method, &motion, false, false, &mesh, &vertex.x);
+    each_follower(normals, &motion, false, &mesh, &vertex.x);
     return vertex;
 }
 
