@@ -18,11 +18,16 @@ def rewritten(source: Path, out: Path, change) -> Path:
     size = struct.unpack("<I", content[12:16])[0]
     document, data = json.loads(content[20 : 20 + size]), bytearray(content[28 + size :])
     change(document, data)
+    out.write_bytes(packed(document, data))
+    return out
+
+
+def packed(document: dict, data: bytes) -> bytes:
+    """The bytes of a .glb file."""
     text = json.dumps(document).encode()
     text += b" " * (-len(text) % 4)
     chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(data), b"BIN\0") + bytes(data)
-    out.write_bytes(struct.pack("<4s2I", b"glTF", 2, 12 + len(chunks)) + chunks)
-    return out
+    return struct.pack("<4s2I", b"glTF", 2, 12 + len(chunks)) + chunks
 
 
 def primitive(document: dict) -> dict:

@@ -233,13 +233,15 @@ BAD = {
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_what_cannot_have_weights_is_refused_with_the_reason(tmp_path, name):
+def test_what_cannot_have_weights_is_refused_with_the_reason(tmp_path, monkeypatch, name):
     vertices, triangles, joints, message = BAD[name]
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
     path = write_obj(tmp_path / "bad.obj", vertices, triangles)
     done = ulna("skin", "import", path, "--out", tmp_path / "bad.fmu", *options(joints))
     assert (done.exit_code, "Traceback" in done.output) == (2, False), done.output
     assert re.search(message, done.output), done.output
-    assert not (tmp_path / "bad.fmu").exists()
+    assert not (tmp_path / "bad.fmu").exists() and not list((tmp_path / "here").iterdir())
 
 
 @pytest.mark.parametrize(
@@ -248,7 +250,8 @@ def test_what_cannot_have_weights_is_refused_with_the_reason(tmp_path, name):
         (["--weights", "auto"], "needs all three"),
         (["--weights", "none"], "--weights none; allowed: file, auto"),
         (["--elbow", "0,0,0"], "belong to --weights auto"),
-        ([*options(JOINTS), "--forearm", "a"], "--forearm to --weights file"),
+        ([*options(JOINTS), "--forearm", "a"], "and --only-arm to --weights file"),
+        ([*options(JOINTS), "--only-arm"], "--only-arm to --weights file"),
         ([*options(JOINTS), "--mesh", "a"], "has no names"),
         ([*options(JOINTS), "--blend-half-width", "0.5"], "blend_half_width = 0.5 m; allowed range: above 0, below"),
         ([*options(JOINTS), "--blend-half-width", "-1"], "blend_half_width = -1 m"),

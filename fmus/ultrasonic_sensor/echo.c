@@ -17,23 +17,33 @@ static Detection hear_ray(const UltrasonicSensor *sensor, const Surroundings *ar
 static void add_late(const UltrasonicSensor *sensor, double emission, Echoes *echoes)
 {
     for (int i = 0; i < sensor->late_count; i++) {
-        if (sensor->late_time[i] > emission) {
-            double time = sensor->late_time[i] - emission;
-            add_echo(echoes, (Echo){.time = time, .level = sensor->late_level[i], .phase = sensor->late_phase[i]});
-        }
+        const double *late = &sensor->late[LATE_NUMBERS * i];
+        add_echo(echoes, (Echo){late[0] - emission, late[1], late[2], late[3], late[4], late[5], false});
     }
 }
 
 /* What this ping leaves; the phase of its carrier is that at the arrival, whoever hears it. */
-static void keep_late(UltrasonicSensor *sensor, const Echoes *echoes, double emission, double end)
+static void keep_left(UltrasonicSensor *sensor, const Echoes *echoes, double emission, double end)
+{
+    sensor->left_count = 0;
+    for (int i = 0; i < echoes->count && sensor->left_count < MOST_LATE; i++) {
+        Echo echo = echoes->echo[i];
+        if (echo.time > end && !echo.foreign) {
+            const double numbers[LATE_NUMBERS] = {emission + echo.time, echo.level, echo.phase,
+                                                  echo.there,           echo.back,  echo.doppler};
+            memcpy(&sensor->left[LATE_NUMBERS * sensor->left_count++], numbers, sizeof numbers);
+        }
+    }
+}
+
+/* When a burst leaves, what the last ping left and has not arrived yet is late. */
+static void take_left(UltrasonicSensor *sensor, double emission)
 {
     sensor->late_count = 0;
-    for (int i = 0; i < echoes->count && sensor->late_count < MOST_LATE; i++) {
-        if (echoes->echo[i].time > end) {
-            sensor->late_time[sensor->late_count] = emission + echoes->echo[i].time;
-            sensor->late_level[sensor->late_count] = echoes->echo[i].level;
-            sensor->late_phase[sensor->late_count] = echoes->echo[i].phase;
-            sensor->late_count++;
+    for (int i = 0; i < sensor->left_count; i++) {
+        const double *left = &sensor->left[LATE_NUMBERS * i];
+        if (left[0] > emission) {
+            memcpy(&sensor->late[LATE_NUMBERS * sensor->late_count++], left, LATE_NUMBERS * sizeof *left);
         }
     }
 }
@@ -110,10 +120,11 @@ static Detection hear_echoes(UltrasonicSensor *sensor, const Surroundings *aroun
     }
     add_coupling(sensor, &around->pair, &echoes);
     add_late(sensor, emission, &echoes);
+    add_foreign(sensor, emission, &echoes);
     int count = those_in_time(sensor, &echoes);
     Detection found = meshed ? detect_with_mesh(sensor, around, &mesh, echoes.echo, count)
                              : detect(sensor, echoes.echo, count);
-    keep_late(sensor, &echoes, emission, lesser(found.crossing, sensor->farthest_time));
+    keep_left(sensor, &echoes, emission, lesser(found.crossing, sensor->farthest_time));
     return found;
 }
 

@@ -93,6 +93,21 @@ static inline real burst_margin(real length)
     return before - 1.0 - log(before);
 }
 
+/* Where a burst of this sensor comes from. */
+static inline void ultrasonic_sensor_burst(UltrasonicSensor *sensor)
+{
+    Rotation turn = rotation(sensor->orientation);
+    sensor->burst_position = add_scaled(sensor->position, 0.5 * sensor->baseline, turn.y);
+    sensor->burst_axis = turn.x;
+    sensor->burst_velocity = sensor->velocity;
+}
+
+/* The longer of two times. */
+static inline real longer(real a, real b)
+{
+    return 0.5 * (a + b + sqrt((a - b) * (a - b)));
+}
+
 static inline void ultrasonic_sensor_initialize(UltrasonicSensor *sensor)
 {
     real sound = speed_of_sound_in_air(sensor->temperature, sensor->humidity, sensor->pressure);
@@ -106,11 +121,19 @@ static inline void ultrasonic_sensor_initialize(UltrasonicSensor *sensor)
     sensor->burst_margin = burst_margin(sensor->burst_length);
     sensor->nearest_time = time_of_distance(sensor->minimum_range, sound, sensor->baseline);
     sensor->farthest_time = time_of_distance(sensor->maximum_range, sound, sensor->baseline);
+    /* the last echo that counts is at its loudest within a burst and a peak time */
+    real last = sensor->farthest_time + (sensor->burst_length + sensor->peak_time) * sensor->ring_time;
+    sensor->burst_start = sensor->time + sensor->trigger_latency;
+    sensor->burst_period = sensor->period;
+    sensor->burst_rest = sensor->period - sensor->trigger_latency - longer(sensor->time_out, last);
     sensor->distance = sensor->maximum_range;
     sensor->level = NO_ECHO_LEVEL;
     sensor->start_time = sensor->time;
     sensor->position_time = sensor->time;
     sensor->sphere_center_time = sensor->time;
+    sensor->foreign_1_position_time = sensor->time;
+    sensor->foreign_2_position_time = sensor->time;
+    sensor->foreign_3_position_time = sensor->time;
 }
 
 #endif

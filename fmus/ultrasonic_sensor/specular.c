@@ -24,21 +24,15 @@ static Echo echo_of_path(const UltrasonicSensor *sensor, const Transceiver *pair
     double level = path_level(pair, *path, mirror, reflection, sensor->wave_number, sensor->absorption);
     double there = beam_argument(path->incident, pair->axis, sensor->wave_number);
     double back = beam_argument(path->reflected, pair->receiver_axis, sensor->wave_number);
-    return (Echo){path->time, level, 0.0, there, back, doppler_of(pair, *path, velocity, sensor->speed_of_sound)};
-}
-
-/* The echo with its phasor times `factor`. */
-static Echo weighted(Echo echo, Phasor factor)
-{
-    echo.level += 0.5 * DECIBEL_PER_NEPER * log(factor.re * factor.re + factor.im * factor.im);
-    echo.phase += atan2(factor.im, factor.re);
-    return echo;
+    double doppler = doppler_of(pair, *path, velocity, sensor->speed_of_sound);
+    return (Echo){.time = path->time, .level = level, .there = there, .back = back, .doppler = doppler};
 }
 
 static Echo specular_plane(const UltrasonicSensor *sensor, const Surroundings *around, const Transceiver *pair)
 {
     Path path = plane_path(pair, around->plane_point, around->plane_normal, sensor->speed_of_sound);
-    return echo_of_path(sensor, pair, &path, plane_curvature(), at_rest, sensor->plane_reflection);
+    Echo echo = echo_of_path(sensor, pair, &path, plane_curvature(), at_rest, sensor->plane_reflection);
+    return shaded(sensor, around, pair, PLANE, &path, plane_curvature(), echo);
 }
 
 /* The path by a given surface point; what moves is taken where it is at the reception. */
@@ -52,6 +46,7 @@ static Path path_by(const Transceiver *pair, Vector point, Vector normal, double
     path.incident = scale(1.0 / path.first, leg);
     path.reflected = scale(1.0 / path.second, back);
     path.time = (path.first + path.second) / speed;
+    path.bounce_time = path.first / speed;
     return path;
 }
 
@@ -143,9 +138,10 @@ static Path target_path(const UltrasonicSensor *sensor, const Surroundings *arou
     return path;
 }
 
-static Echo specular_target(const UltrasonicSensor *sensor, const Surroundings *around, const Target *target,
+static Echo specular_target(const UltrasonicSensor *sensor, const Surroundings *around, int number,
                             const Transceiver *pair)
 {
+    const Target *target = &around->target[number];
     Vector whole = subtract(target->end, target->start);
     Vector slide = vector(0.0, 0.0, 0.0);
     double square = dot(whole, whole), share;
@@ -162,6 +158,7 @@ static Echo specular_target(const UltrasonicSensor *sensor, const Surroundings *
         mirror = cylinder_curvature(path, scale(1.0 / sqrt(square), whole), target->radius);
     }
     Echo echo = echo_of_path(sensor, pair, &path, mirror, target->velocity, target->reflection);
+    echo = shaded(sensor, around, pair, number, &path, mirror, echo);
     return square > 0.0 && isfinite(echo.time) ? blended(sensor, pair, target, &path, share, echo) : echo;
 }
 
@@ -201,8 +198,8 @@ static Phasor part_weight(const Path *path, Vector along, double bend, double si
 #define FAINT_PART 1e-6 /* of the plane's power */
 
 /* The echo by a point of a face where its sides along `a` and `b` have their mirror point or end. */
-static Echo echo_of_part(const UltrasonicSensor *sensor, const Transceiver *pair, const Path *path, Vector a, Vector b,
-                         double sign_a, double sign_b)
+static Echo echo_of_part(const UltrasonicSensor *sensor, const Surroundings *around, const Transceiver *pair,
+                         const Path *path, Vector a, Vector b, double sign_a, double sign_b)
 {
     double bend_a = straight_bend(path, a), bend_b = straight_bend(path, b);
     Phasor weight = phasor_product(part_weight(path, a, bend_a, sign_a, sensor->wave_number),
@@ -213,7 +210,10 @@ static Echo echo_of_part(const UltrasonicSensor *sensor, const Transceiver *pair
     weight = (Phasor){factor * weight.re, factor * weight.im};
     Echo echo = echo_of_path(sensor, pair, path, plane_curvature(), at_rest, sensor->box_reflection);
     bool faint = weight.re * weight.re + weight.im * weight.im < FAINT_PART;
-    return faint || !isfinite(echo.time) ? silence : weighted(echo, weight);
+    if (faint || !isfinite(echo.time)) {
+        return silence;
+    }
+    return shaded(sensor, around, pair, BOX, path, plane_curvature(), weighted(echo, weight));
 }
 
 /* A face as a bounded plane: its mirror point, its edges and its corners, each where and when it is. */
@@ -240,7 +240,7 @@ static void add_face(const UltrasonicSensor *sensor, const Surroundings *around,
         bool hidden = around->plane && dot(subtract(point, around->plane_point), around->plane_normal) < 0.0;
         if (!hidden) {
             Path path = path_by(pair, point, normal, mirror.time, sensor->speed_of_sound);
-            add_echo(echoes, echo_of_part(sensor, pair, &path, a, b, at_a.sign, at_b.sign));
+            add_echo(echoes, echo_of_part(sensor, around, pair, &path, a, b, at_a.sign, at_b.sign));
         }
     }
 }
@@ -251,7 +251,7 @@ static void add_echoes_of_targets(const UltrasonicSensor *sensor, const Surround
 {
     int before = echoes->count;
     for (int i = 0; i < around->targets; i++) {
-        add_echo(echoes, specular_target(sensor, around, &around->target[i], pair));
+        add_echo(echoes, specular_target(sensor, around, i, pair));
     }
     for (int face = 0; face < 2 * AXES && around->box_present; face++) {
         add_face(sensor, around, pair, face / 2, face % 2 ? 1.0 : -1.0, echoes);
@@ -259,17 +259,6 @@ static void add_echoes_of_targets(const UltrasonicSensor *sensor, const Surround
     for (int i = before; i < echoes->count; i++) {
         echoes->echo[i].level += bounce_level;
     }
-}
-
-static Vector mirrored(const Surroundings *around, Vector point)
-{
-    double height = dot(subtract(point, around->plane_point), around->plane_normal);
-    return add_scaled(point, -2.0 * height, around->plane_normal);
-}
-
-static Vector turned_over(const Surroundings *around, Vector direction)
-{
-    return add_scaled(direction, -2.0 * dot(direction, around->plane_normal), around->plane_normal);
 }
 
 /* One bounce at the ground, on the way to a target or from it: image transmitter, image receiver. Returns how many

@@ -9,12 +9,13 @@ typedef struct Echo {
     double phase; /* of the carrier at the arrival */
     double there, back; /* (x / 2)^2 of the beam on both ways */
     double doppler;     /* by how many parts it comes faster than the burst left */
+    bool foreign;       /* of another sensor's burst */
 } Echo;
 
 static const Vector at_rest = {0.0, 0.0, 0.0};
 static const Echo silence = {.time = INFINITY, .level = NO_ECHO_LEVEL};
 
-enum { MOST_ECHOES = 96, MOST_LATE = 8 }; /* those of one ping; those that outlive it */
+enum { MOST_ECHOES = 96, MOST_LATE = 8, LATE_NUMBERS = 6 }; /* those of one ping; those that outlive it */
 
 typedef struct Echoes {
     Echo echo[MOST_ECHOES];
@@ -36,6 +37,7 @@ static double greater(double a, double b)
 typedef struct Target {
     Vector start, end, velocity;
     double radius, reflection;
+    double extent; /* of a ball about its middle that holds it */
 } Target;
 
 enum { MOST_TARGETS = 3, AXES = 3 };
@@ -43,6 +45,7 @@ enum { MOST_TARGETS = 3, AXES = 3 };
 typedef struct Box {
     Vector center, axis[AXES]; /* unit vectors */
     double half[AXES];
+    double extent;
 } Box;
 
 typedef struct Surroundings {
@@ -60,13 +63,14 @@ static Box box_of(const UltrasonicSensor *sensor)
 {
     Rotation turn = rotation(sensor->box_orientation);
     Vector half = scale(0.5, sensor->box_size);
-    return (Box){sensor->box_center, {turn.x, turn.y, turn.z}, {half.x, half.y, half.z}};
+    return (Box){sensor->box_center, {turn.x, turn.y, turn.z}, {half.x, half.y, half.z}, norm(half)};
 }
 
 /* Absent without a radius. */
 static void add_target(Surroundings *around, Target target)
 {
     if (target.radius > 0.0) {
+        target.extent = 0.5 * norm(subtract(target.end, target.start)) + target.radius;
         around->target[around->targets++] = target;
     }
 }
@@ -89,11 +93,11 @@ static Surroundings surroundings_at(const UltrasonicSensor *sensor, double emiss
     around.plane_normal = around.plane ? scale(1.0 / norm(sensor->plane_normal), sensor->plane_normal) : at_rest;
     around.targets = 0;
     add_target(&around, (Target){sphere, sphere, sensor->sphere_velocity, sensor->sphere_radius,
-                                 sensor->sphere_reflection});
+                                 sensor->sphere_reflection, 0.0});
     add_target(&around, (Target){sensor->capsule_1_start, sensor->capsule_1_end, at_rest, sensor->capsule_1_radius,
-                                 sensor->capsule_reflection});
+                                 sensor->capsule_reflection, 0.0});
     add_target(&around, (Target){sensor->capsule_2_start, sensor->capsule_2_end, at_rest, sensor->capsule_2_radius,
-                                 sensor->capsule_reflection});
+                                 sensor->capsule_reflection, 0.0});
     Vector size = sensor->box_size;
     around.box_present = size.x > 0.0 && size.y > 0.0 && size.z > 0.0;
     if (around.box_present) {

@@ -9,6 +9,7 @@
 
 #include "rays.c"
 #include "fresnel.c"
+#include "shading.c"
 #include "specular.c"
 #include "doppler.c"
 #include "envelope.c"
@@ -17,6 +18,7 @@
 #include "mesh.c"
 #include "mesh_checks.c"
 #include "bins.c"
+#include "foreign.c"
 #include "echo.c"
 
 #define DEVICE_SPEED (0.01 / 58e-6) /* m/s of echo width: the sheet's 58 us a centimetre */
@@ -60,6 +62,12 @@ static void notice_inputs(UltrasonicSensor *sensor)
 {
     notice_change(sensor->time, sensor->position, &sensor->position_seen, &sensor->position_time);
     notice_change(sensor->time, sensor->sphere_center, &sensor->sphere_center_seen, &sensor->sphere_center_time);
+    notice_change(sensor->time, sensor->foreign_1_position, &sensor->foreign_1_position_seen,
+                  &sensor->foreign_1_position_time);
+    notice_change(sensor->time, sensor->foreign_2_position, &sensor->foreign_2_position_seen,
+                  &sensor->foreign_2_position_time);
+    notice_change(sensor->time, sensor->foreign_3_position, &sensor->foreign_3_position_seen,
+                  &sensor->foreign_3_position_time);
 }
 
 static bool trigger_rises(const UltrasonicSensor *sensor)
@@ -122,7 +130,7 @@ static void pend_echo(UltrasonicSensor *sensor, Detection found)
 {
     double speed = sensor->speed_of_sound;
     double error = sensor->noise > 0.0 ? sensor->noise * normal_number(sensor->seed, sensor->sequence) : 0.0;
-    sensor->pending_flight = found.echo.time;
+    sensor->pending_flight = greater(found.echo.time, 0.0);
     sensor->pending_width = greater(found.crossing - sensor->echo_start, 0.0);
     /* sound that went straight from transmitter to receiver comes from no distance */
     bool reflected = speed * found.echo.time > sensor->baseline;
@@ -139,15 +147,21 @@ static void pend_silence(UltrasonicSensor *sensor, double end)
     sensor->pending_device = DEVICE_SPEED * end;
 }
 
-static void await_burst(UltrasonicSensor *sensor, double emission)
+#define NO_BURST (-1e9) /* s, the start of burst_times and of its like: long ago */
+
+/* Others know of the regular bursts by their start and period. */
+static void await_burst(UltrasonicSensor *sensor, double emission, bool regular)
 {
     sensor->waiting = true;
     sensor->emission_time = emission;
+    sensor->burst_times[1] = regular ? NO_BURST : emission;
 }
 
-static void emit_burst(UltrasonicSensor *sensor)
+/* How the ping in flight will end; anew where another burst becomes known. */
+static void compute_ping(UltrasonicSensor *sensor)
 {
     double emission = sensor->emission_time;
+    see_foreign(sensor);
     Detection found = first_echo(sensor, emission);
     double time_out = sensor->time_out > 0.0 ? sensor->time_out : sensor->farthest_time;
     sensor->pending_valid = isfinite(found.crossing);
@@ -158,8 +172,18 @@ static void emit_burst(UltrasonicSensor *sensor)
         pend_silence(sensor, time_out);
     }
     sensor->finish_time = emission + (sensor->pending_valid ? found.crossing : time_out);
+}
+
+static void emit_burst(UltrasonicSensor *sensor)
+{
     sensor->waiting = false;
     sensor->in_flight = true;
+    if (sensor->burst_times[1] != NO_BURST) {
+        sensor->burst_times[0] = sensor->emission_time;
+        sensor->burst_times[1] = NO_BURST;
+    }
+    take_left(sensor, sensor->emission_time);
+    compute_ping(sensor);
 }
 
 /* The periodic pings that fell into the flight are lost. */
@@ -176,11 +200,14 @@ static void finish_ping(UltrasonicSensor *sensor)
     while (ping_time(sensor, sensor->next_ping) < sensor->finish_time) {
         sensor->next_ping++;
     }
+    if (sensor->period > 0.0 && sensor->burst_rest < 0.0) {
+        sensor->burst_times[1] = burst_time(sensor, sensor->next_ping);
+    }
 }
 
 static double ultrasonic_sensor_next_event(const UltrasonicSensor *sensor)
 {
-    if (trigger_rises(sensor) || is_due(sensor)) {
+    if (trigger_rises(sensor) || is_due(sensor) || (sensor->in_flight && foreign_news(sensor))) {
         return sensor->time;
     }
     if (sensor->waiting) {
@@ -194,18 +221,20 @@ static void ultrasonic_sensor_event(UltrasonicSensor *sensor)
 {
     bool waiting = sensor->waiting, busy = waiting || sensor->in_flight, due = is_due(sensor);
     notice_inputs(sensor);
-    if (trigger_rises(sensor) && !due) {
+    if (sensor->in_flight && foreign_news(sensor)) {
+        compute_ping(sensor);
+    } else if (trigger_rises(sensor) && !due) {
         sensor->trigger_before |= sensor->trigger;
         sensor->trigger_clock = false;
         if (!busy) {
-            await_burst(sensor, sensor->time + sensor->trigger_latency);
+            await_burst(sensor, sensor->time + sensor->trigger_latency, false);
         }
     } else if (waiting) {
         emit_burst(sensor);
     } else if (busy) {
         finish_ping(sensor);
     } else {
-        await_burst(sensor, burst_time(sensor, sensor->next_ping));
+        await_burst(sensor, burst_time(sensor, sensor->next_ping), sensor->burst_rest >= 0.0);
         sensor->next_ping++;
     }
 }

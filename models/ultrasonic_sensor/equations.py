@@ -10,7 +10,7 @@ import math
 import casadi as ca
 from casadi import SX
 
-from ..algebra import Values, substituted
+from ..algebra import Values, rotation_matrix, substituted
 from . import air
 
 DECIBEL_PER_NEPER = 8.685889638065036553  # 20 / ln 10
@@ -19,6 +19,8 @@ PISTON_TERMS = 22  # of the series behind the first
 PARTS_OF_DISPERSION = 7
 
 NO_ECHO = -200.0  # dB
+STARTED = ("start", "position", "sphere_center", "foreign_1_position", "foreign_2_position", "foreign_3_position")
+"""What has had its value since the start."""
 
 
 def equations(values: Values) -> Values:
@@ -46,11 +48,16 @@ def equations(values: Values) -> Values:
         "initial(burst_margin)": margin(burst),
         "initial(nearest_time)": facing_time(values["minimum_range"], sound, half_baseline),
         "initial(farthest_time)": facing_time(values["maximum_range"], sound, half_baseline),
+        "initial(burst_start)": values["time"] + values["trigger_latency"],
+        "initial(burst_period)": values["period"],
+        "initial(burst_rest)": rest_after_ping(values, burst, ring, sound),
+        **burst_origin(values),
+        "longer": (values["range"] + values["length"] + ca.sqrt((values["range"] - values["length"]) ** 2)) / 2,
         "ring_time_of": ring,
         "burst_peak_time": peak_time(values["length_of_burst"]),
         "burst_peak": peak(values["length_of_burst"]),
         "burst_margin": margin(values["length_of_burst"]),
-        **{f"initial({name}_time)": values["time"] for name in ("start", "position", "sphere_center")},
+        **{f"initial({name}_time)": values["time"] for name in STARTED},
         # the legs of an isosceles triangle over the baseline, and its height
         "distance_of_time": ca.sqrt((half_way - half_baseline) * (half_way + half_baseline)),
         "time_of_distance": facing_time(values["range"], values["speed"], half_baseline),
@@ -103,6 +110,26 @@ def peak(length: SX) -> SX:
 def margin(length: SX) -> SX:
     """ln of the peak over the envelope when the burst ends."""
     return ca.log(peak(length) / envelope(length, length))
+
+
+def rest_after_ping(values: Values, burst: SX, ring: SX, sound: SX) -> SX:
+    """From the end of the longest ping to the next periodic burst: it ends with the time-out, or as the echo from
+    `maximum_range` is loudest, a peak time after the end of its burst.
+    """
+    time_out = values["time_out"]
+    loudest = facing_time(values["maximum_range"], sound, values["baseline"] / 2) + ring * (burst + peak_time(burst))
+    longer = (time_out + loudest + ca.sqrt((time_out - loudest) ** 2)) / 2
+    return values["period"] - (values["trigger_latency"] + longer)
+
+
+def burst_origin(values: Values) -> Values:
+    """Place, direction and motion of the transmitter, half a baseline along the sensor's y."""
+    turn = rotation_matrix(values["orientation"])
+    return {
+        "burst_position": values["position"] + turn @ ca.vertcat(0, values["baseline"] / 2, 0),
+        "burst_axis": turn[:, 0],
+        "burst_velocity": values["velocity"],
+    }
 
 
 def arrival_time(offset: SX, velocity: SX, speed: SX) -> SX:

@@ -63,6 +63,7 @@ def identities(f: Equations) -> dict[str, SX]:
         **_spreading(f),
         **_levels(f),
         **_burst(f),
+        **_foreign(f),
         "every equation is right in its units, which x = v/t is not": in_other_units(
             f, symbols(), VALUE_UNITS | RESULT_UNITS, RESULT_UNITS
         ),
@@ -318,6 +319,21 @@ def _levels(f: Equations) -> dict[str, SX]:
         "emitter and receiver may be exchanged: the curvatures stay": ca.vertcat(
             *[there[name] - here[name] for name in round_bodies]
         ),
+    }
+
+
+def _foreign(f: Equations) -> dict[str, SX]:
+    """What others are told: the transmitter is at the end of the path by a wall that faces it, and of two times one."""
+    values = symbols()
+    results = f(values)
+    offset, axis = results["burst_position"] - values["position"], results["burst_axis"]
+    one, other = values["range"], values["length"]
+    return {
+        "a burst looks along a unit vector": ca.dot(axis, axis) - 1,
+        "a burst leaves half a baseline beside the middle, across its direction": ca.vertcat(
+            ca.dot(offset, offset) - (values["baseline"] / 2) ** 2, ca.dot(offset, axis)
+        ),
+        "the longer of two times is one of them": (results["longer"] - one) * (results["longer"] - other),
     }
 
 

@@ -90,15 +90,18 @@ def symbols() -> Values:
     """What every function of the sensor takes, in SI units."""
     numbers = ("temperature", "humidity", "pressure", "frequency", "bandwidth", "burst_periods", "length_of_burst")
     ranges = ("minimum_range", "maximum_range", "time", "sound_wave_number", "absorption_per_metre", "reflection")
+    times = ("trigger_latency", "period", "time_out")
     more = ("half_argument_squared", "length", "time_of_flight", "range", "baseline", "trace", "determinant", "along")
     paths, mirrors = path(SX.sym("velocity", 3), SX.sym("ball_velocity", 3)), mirror()
     # so far behind the transmitter that the receiver is in front of the plane too
     foot = paths["transmitter"] - scalar("plane_distance") * mirrors["normal"]
     return {
-        **{name: scalar(name) for name in numbers + ranges + more},
+        **{name: scalar(name) for name in numbers + ranges + times + more},
         **paths,
         **mirrors,
         "transmitter_velocity": SX.sym("transmitter_velocity", 3),
+        "position": SX.sym("position", 3),
+        "orientation": unit_quaternion("sensor_attitude"),
         "axis": unit_vector("axis_slope"),
         "receiver_axis": unit_vector("receiver_axis_slope"),
         "plane_point": foot + ca.cross(mirrors["normal"], SX.sym("aside", 3)),

@@ -164,6 +164,10 @@ def skin_import(
         typer.Option(help="Joint at the elbow; repeated: others that follow the forearm and are not below it."),
     ] = None,
     mesh: Annotated[str | None, typer.Option(help="The only mesh to take; default: all that both joints move.")] = None,
+    only_arm: Annotated[
+        bool,
+        typer.Option("--only-arm", help="Of a whole figure, what the arm's joints hold; open at the shoulder."),
+    ] = False,
     version: Annotated[str, typer.Option(help="FMI version: 2.0 or 3.0.")] = "3.0",
     weights: Annotated[str, typer.Option(help="file: the file's own; auto: bounded biharmonic weights.")] = "file",
     shoulder: Annotated[str | None, typer.Option(help="With auto: x,y,z in m, y up, or a node's name.")] = None,
@@ -179,18 +183,19 @@ def skin_import(
         if weights not in ("file", "auto"):
             raise ValueError(f"--weights {weights}; allowed: file, auto")
         automatic = weights == "auto"
-        wrong = (upper_arm, *(forearm or ())) if automatic else (*places, blend_half_width)
+        wrong = (upper_arm, *(forearm or ()), only_arm or None) if automatic else (*places, blend_half_width)
         if any(value is not None for value in wrong) or (automatic and None in places):
             raise ValueError(
-                "--shoulder, --elbow and --wrist belong to --weights auto, which needs all three; --upper-arm and "
-                "--forearm to --weights file"
+                "--shoulder, --elbow and --wrist belong to --weights auto, which needs all three; --upper-arm, "
+                "--forearm and --only-arm to --weights file"
             )
         if automatic:
             joints = [_place(place) for place in places]
             made = import_unrigged(file, out, joints, mesh=mesh, half_width=blend_half_width, version=version)
             bones = places
         else:
-            made, bones = import_skin(file, out, upper_arm=upper_arm, forearm=forearm or (), mesh=mesh, version=version)
+            how = {"upper_arm": upper_arm, "forearm": forearm or (), "mesh": mesh, "only_arm": only_arm}
+            made, bones = import_skin(file, out, **how, version=version)
     table = Table(show_header=False, title=str(out), title_justify="left")
     table.add_row(", ".join(JOINTS if automatic else ("upper arm", "forearm")), escape("; ".join(bones)))
     table.add_row("vertices, triangles", f"{len(made.vertices)}, {len(made.triangles)}")

@@ -8,6 +8,7 @@ from typing import Any
 from .adaptive import Controlled
 from .connections import Bond, Connection, End, Frame, Signal, connect_ends, connect_frames
 from .coupling import Coupling
+from .hearing import pairs_of_bursts
 from .joints import Joint, make_joint, wrench_ends
 from .masters import MASTERS
 from .names import unknown
@@ -184,6 +185,14 @@ class Scene:
     def _named(self, name: str) -> End | Frame:
         unit, _, variable = name.partition(".")
         return self[unit][variable]
+
+    def hear(self, *names: str) -> None:
+        """Lets ultrasonic sensors hear each other's bursts: connects the terminals `burst` and `foreign_N` of them all.
+
+        Raises KeyError for an unknown name, ValueError for a unit that is no such sensor, or that hears three already.
+        """
+        for source, target in pairs_of_bursts([self[name] for name in names], self.connections):
+            self.connect(source, target)
 
     def signal(self, target: End, function: Callable[[float], Any]) -> None:
         """Lets an input follow a function of time (s), which returns a number, or an array of the input's shape."""

@@ -64,17 +64,19 @@ def import_skin(
     upper_arm: str | None = None,
     forearm: Sequence[str] = (),
     mesh: str | None = None,
+    only_arm: bool = False,
     version: str = "3.0",
 ) -> tuple[SkinMesh, tuple[str, str]]:
     """Writes the FMU `out`; returns its mesh and the names of the two joints. The same file gives the same bytes.
 
     `forearm`: the joint whose origin is the elbow, then others that follow the forearm too, in rigs that do not put
-    them below it. `mesh`: the only mesh to take. Raises FileNotFoundError, KeyError for a name, ValueError.
+    them below it. `mesh`: the only mesh to take. `only_arm`: of a figure, leaves out what the arm does not hold. Raises
+    FileNotFoundError, KeyError for a name, ValueError.
     """
     stock = fmu("ArmSkin", version)
     rig = read_rig(path)
     bones = find_bones(rig, upper_arm, forearm)
-    skin = arm_mesh(rig, bones, mesh)
+    skin = arm_mesh(rig, bones, mesh, only_arm)
     write_skin_fmu(out, skin, stock)
     return skin, (rig.names[bones.upper_arm], rig.names[bones.forearm])
 
@@ -111,8 +113,12 @@ def find_bones(rig: Rig, upper_arm: str | None = None, forearm: Sequence[str] = 
     return Bones(first, others[0], frozenset(followers))
 
 
-def arm_mesh(rig: Rig, bones: Bones, mesh: str | None = None) -> SkinMesh:
-    """The mesh in the arm's rest frame, and the lengths of its bones. Raises ValueError, KeyError for a mesh's name."""
+def arm_mesh(rig: Rig, bones: Bones, mesh: str | None = None, only_arm: bool = False) -> SkinMesh:
+    """The mesh in the arm's rest frame, and the lengths of its bones. Raises ValueError, KeyError for a mesh's name.
+
+    `only_arm` keeps the triangles of whose corners all are held, by half of their weight or more, by the upper arm's
+    joint, those below it and those that follow the forearm; what other joints hold of them goes with the upper arm.
+    """
     taken = [p for p in rig.primitives if {bones.upper_arm, bones.forearm} <= p.inverse_bind.keys()]
     if not taken:
         raise ValueError("no skin has both joints")
@@ -130,6 +136,10 @@ def arm_mesh(rig: Rig, bones: Bones, mesh: str | None = None) -> SkinMesh:
     triangles = np.concatenate([piece[2] + start for piece, start in zip(pieces, starts, strict=True)])
     vertices, normals = (np.concatenate([piece[k] for piece in pieces]) for k in range(2))
     weights, nodes = (np.concatenate([getattr(p, name) for p in taken]) for name in ("weights", "joints"))
+    if only_arm:
+        below = [joint for joint in rig.joints if bones.upper_arm in (joint, *rig.ancestors(joint))]
+        held = np.sum(weights * np.isin(nodes, [*below, *bones.followers]), axis=1) >= 0.5
+        triangles = triangles[held[triangles].all(axis=1)]
     used, triangles = without_unused(triangles)
     vertices, normals, weights, nodes = vertices[used], normals[used], weights[used], nodes[used]
     joints, numbers = np.unique(nodes, return_inverse=True)

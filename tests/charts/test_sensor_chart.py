@@ -9,8 +9,9 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
+from ulna.charts import sensor_truths
 from ulna.charts.command import chart
-from ulna.charts.sensor_measuring import QUICK, Accuracy, agreement, fidelities, percentile, ping
+from ulna.charts.sensor_measuring import QUICK, Accuracy, agreement, fidelities, percentile, ping, posed, takes
 from ulna.charts.sensor_peers import Rays, rays
 from ulna.charts.sensor_statements import agreement as agreement_statements
 from ulna.charts.sensor_truths import TRUTHS, WALL, capsule_at, device, plane_at, sphere_at, towards
@@ -135,3 +136,29 @@ def test_a_pose_is_heard_as_its_closed_form_says() -> None:
     assert width == pytest.approx(way / ears.speed, rel=1e-12)
     assert level == pytest.approx(20.0 * np.log10(2.0 / way) - way * ears.absorption, abs=1e-12)
     assert ping("ray", sphere_at(1.0, towards(40.0, 0.0), 0.1))[0] == np.inf
+
+
+def test_without_scipy_the_chart_says_what_brings_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def missing(name: str) -> None:
+        raise ModuleNotFoundError("No module named 'scipy'", name="scipy")
+
+    monkeypatch.setattr(sensor_truths, "load_model", missing)
+    result = CliRunner().invoke(app, ["sensor", "--quick", "--out", str(tmp_path)], env={"COLUMNS": "200"})
+    assert result.exit_code == 2
+    assert "need scipy: pip install 'ulna[peers]'" in result.output
+
+
+def test_surface_gets_the_mesh_in_place_of_the_body_and_automatic_beside_a_capsule() -> None:
+    forearm = capsule_at(np.array([1.0, -0.1, 0.0]), np.array([1.0, 0.1, 0.0]), 0.04)
+    ball = sphere_at(1.0, AHEAD, 0.1)
+    for fidelity, pose, meshed, bodied in (
+        ("specular", forearm, False, True),
+        ("surface", forearm, True, False),
+        ("automatic", forearm, True, True),
+        ("surface", ball, True, False),
+        ("automatic", ball, False, True),
+    ):
+        with posed(fidelity, pose) as sensor:
+            assert (sensor.get("surface_vertex_count") > 100) == meshed
+            assert (sensor.get("capsule_1_radius") + sensor.get("sphere_radius") > 0.0) == bodied
+    assert not takes("surface", plane_at(1.0, AHEAD)) and takes("automatic", plane_at(1.0, AHEAD))

@@ -23,7 +23,6 @@ PUSH = 0.3
 REACTION = 1e-9
 UNIT_VECTORS = {"axis"}
 SHORT_TIMES = {"echo_start", "time_out"}  # of milliseconds: a push of the others' size is refused
-
 MESHED = {"surface"}  # needs a mesh, which FMI 2 cannot carry
 
 

@@ -47,7 +47,8 @@ def box(distance: float, angle: float = 0.0) -> dict:
 
 
 TARGETS = {"plane": plane, "sphere": sphere, "capsule": capsule, "box": box}
-SEVERAL = {**plane(REACH, ASIDE), **sphere(REACH - 0.1, ASIDE), **capsule(REACH - 0.2, ASIDE)}
+SEVERAL = {**plane(REACH, ASIDE), **sphere(REACH - 0.1, -3 * ASIDE, 0.03), **capsule(REACH - 0.2, 4.5 * ASIDE, 0.03)}
+BEHIND = {**plane(REACH, ASIDE), **sphere(REACH - 0.1, ASIDE), **capsule(REACH - 0.2, ASIDE)}
 
 
 def heard(fidelity: str, read: str, values: dict) -> float:
@@ -90,7 +91,9 @@ def speed_and_accuracy(fidelities: list[str], rounds: int) -> list[Table]:
             sensor = started("UltrasonicSensor", fidelity=fidelity, period=PERIOD, **placed(REACH, ASIDE))
             calls[fidelity, target] = repeated_step(sensor, PINGS * PERIOD)
     several = started("UltrasonicSensor", period=PERIOD, **SEVERAL)
+    behind = started("UltrasonicSensor", period=PERIOD, **BEHIND)
     extra = {("specular", "first three together"): repeated_step(several, PINGS * PERIOD)}
+    extra["specular", "the same, one behind the other"] = repeated_step(behind, PINGS * PERIOD)
     nothing = started("UltrasonicSensor", period=PERIOD, maximum_range=1.0)
     extra["specular", "none"] = repeated_step(nothing, PINGS * PERIOD)
     cost = side_by_side(calls | extra | mujoco_rays(), rounds)

@@ -28,6 +28,8 @@ LOOKS = {
 }
 NEW = ("#666666", "h")
 """Of a fidelity that the table does not know."""
+STYLES = {Rays.NAME: ":", "automatic": (0, (4, 4))}
+"""Of curves that lie on another: the ray's, and those of `specular`."""
 LEAST = 1e-3  # mm: errors below are drawn here
 NOTES = """Range error: c/2 times the echo width, against when the truth's sum of echoes passes the threshold; at the \
 poses at which both hear. Agree: both hear, or neither does; before a wall, both within {same:g} mm. {poses} poses of \
@@ -138,8 +140,9 @@ def _cost(ax: Axes, found: Found, truth: str, first: bool) -> None:
         color, mark = look(name)
         half, most = (max(1e3 * percentile(row.errors, share), LEAST) for share in (50, 95))
         ax.plot([cost, cost], [half, most], color=color, linewidth=1.2, alpha=0.6)
-        ax.plot(cost, most, mark, color=color, markersize=8, label=name)
-        ax.plot(cost, half, mark, color=color, markersize=4.5)
+        face = "none" if name == "automatic" else color
+        ax.plot(cost, most, mark, color=color, markersize=8, markerfacecolor=face)
+        ax.plot(cost, half, mark, color=color, markersize=4.5, markerfacecolor=face)
     ax.set(xscale="log", yscale="log", xlim=(10, 1e7 if "surface" in found.names else 1e4), ylim=(LEAST, 3e4))
     _name(ax, truth, "ns a ping", "range error, mm" if first else "")
     if not first:
@@ -157,7 +160,7 @@ def _spread(ax: Axes, found: Found, truth: str, first: bool) -> None:
             continue
         share = (row.silent + np.arange(len(row.errors) + 1)) / row.poses
         errors = [LEAST, *np.maximum(1e3 * np.array(row.errors), LEAST), 3e3]
-        style = ":" if name == Rays.NAME else "-"
+        style = STYLES.get(name, "-")
         ax.step(errors, [*share, share[-1]], style, color=look(name)[0], where="post")
     ax.set(xscale="log", xlim=(LEAST, 3e3), ylim=(0, 1.02))
     _name(ax, "", "allowed range error, mm", "share of poses right" if first else "")

@@ -80,7 +80,7 @@ class Comparison:
         known = [*(v.name for v in built.numbers("parameter", "input")), *built.states]
         self.built = built
         self.symbols = {name: SX.sym(name, built.count(name)) for name in dict.fromkeys(known)}
-        results = compute(self.symbols)
+        results = compute({"time": SX(0.0)} | self.symbols)  # at which all instances are initialized
         shown = built.description.variables
         self.initial = {name: results[f"initial({name})"] for name in shown if f"initial({name})" in names}
         self.results = {name: results[name] for name in shown if name in names}

@@ -145,6 +145,7 @@ static void lift_times()
         Real speed = lift.symbols<Real>("speed");
         return time_of_distance(range, speed, lift.symbols<Real>("baseline"));
     });
+    lift_function("longer", [](Lift &lift) { return longer(lift.symbols<Real>("range"), lift.symbols<Real>("length")); });
     lift_function("arrival_time", [](Lift &lift) {
         Vector offset = lift.symbols<Vector>("offset");
         Vector velocity = lift.symbols<Vector>("velocity");

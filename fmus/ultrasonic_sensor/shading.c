@@ -1,0 +1,226 @@
+/* UltrasonicSensor: what bodies beside or across the way of a sound leave of it.
+ *
+ * A body is a screen across the leg, a rectangle of its outline, and hides from the sound what Fresnel's
+ * integrals say of its two widths: with the distances d1 from the ear and d2 to where the wavefront behind
+ * the body comes together again,
+ *
+ *     passed = 1 - A B,  A = 1 - tail(h + q) - tail(h - q)       h half a width, q its offset from the leg
+ *     tail(s) = exp(-i pi u^2 / 2) e(u),  u = s sqrt(k (1 / d1 + 1 / d2) / pi)         e of fresnel.c
+ *
+ * Kirchhoff's diffraction; Born and Wolf, Principles of Optics, 8.7 and 8.8.
+ */
+#define LIT 2.0      /* Fresnel's u of a clearance from which a screen's ripple is faded out: */
+#define FAR_LIT 4.0  /* a round body has none there, and an endless one would cost every ping */
+#define TOUCHING 1e-9 /* of the radius: where two bodies share a point of their skins, the first has it */
+
+/* A body as seen along a leg. */
+typedef struct Screen {
+    double along;          /* from the ear */
+    double depth;          /* half of the body's */
+    double offset[2], half[2];
+} Screen;
+
+static Screen screen_of_target(const Target *target, Vector from, Vector leg, double when)
+{
+    Vector drift = scale(when, target->velocity);
+    Vector whole = subtract(target->end, target->start);
+    Vector middle = subtract(add_scaled(add(target->start, drift), 0.5, whole), from);
+    Vector flat = add_scaled(whole, -dot(whole, leg), leg), aside = add_scaled(middle, -dot(middle, leg), leg);
+    double length = norm(flat), off = norm(aside), radius = target->radius;
+    Screen screen = {.along = dot(middle, leg), .depth = radius};
+    /* half of a round end's width on average; its whole area is that of the circle */
+    screen.half[0] = 0.5 * length + 0.25 * PI * radius;
+    screen.half[1] = radius;
+    if (!(length > 0.0)) {
+        screen.offset[0] = 0.0;
+        screen.offset[1] = off;
+        return screen;
+    }
+    Vector axis = scale(1.0 / length, flat);
+    screen.offset[0] = dot(aside, axis);
+    screen.offset[1] = dot(aside, cross(leg, axis));
+    /* where the leg passes the axis */
+    double share = lesser(greater(-screen.offset[0] / length, -0.5), 0.5);
+    screen.along += share * dot(whole, leg);
+    return screen;
+}
+
+static Screen screen_of_box(const Box *box, Vector from, Vector leg)
+{
+    Vector center = subtract(box->center, from), axis = leg;
+    double longest = 0.0;
+    Screen screen = {.along = dot(center, leg)};
+    for (int i = 0; i < AXES; i++) {
+        Vector flat = add_scaled(box->axis[i], -dot(box->axis[i], leg), leg);
+        double size = norm(flat);
+        axis = box->half[i] * size > longest ? scale(1.0 / size, flat) : axis;
+        longest = greater(box->half[i] * size, longest);
+    }
+    Vector across = cross(leg, axis);
+    screen.offset[0] = dot(center, axis);
+    screen.offset[1] = dot(center, across);
+    for (int i = 0; i < AXES; i++) {
+        screen.depth += box->half[i] * fabs(dot(box->axis[i], leg));
+        screen.half[0] += box->half[i] * fabs(dot(box->axis[i], axis));
+        screen.half[1] += box->half[i] * fabs(dot(box->axis[i], across));
+    }
+    return screen;
+}
+
+/* Of a wavefront, the share that passes beyond s. */
+static Phasor tail(double s, double unit)
+{
+    double u = fabs(s) * unit;
+    Phasor end = phasor_product(end_of_mirror(u), phasor_at(-0.5 * PI * u * u));
+    return s >= 0.0 ? end : (Phasor){1.0 - end.re, -end.im};
+}
+
+static Phasor covered(double offset, double half, double unit)
+{
+    Phasor above = tail(half + offset, unit), below = tail(half - offset, unit);
+    return (Phasor){1.0 - above.re - below.re, -above.im - below.im};
+}
+
+/* What a screen leaves of the sound on a leg that is `reach` long, whose wavefront comes together `focus` behind
+ * its end. Beside one end of the leg it counts for less: it then shades but a part of what is met there. */
+static Phasor passed(Screen screen, double reach, double focus, double wave_number)
+{
+    double rest = reach - screen.along;
+    if (screen.along <= 0.0 || rest <= 0.0) {
+        return (Phasor){1.0, 0.0};
+    }
+    double unit = sqrt(wave_number / PI * (1.0 / screen.along + 1.0 / (rest + focus)));
+    double clear = unit * greater(fabs(screen.offset[0]) - screen.half[0], fabs(screen.offset[1]) - screen.half[1]);
+    if (clear >= FAR_LIT) {
+        return (Phasor){1.0, 0.0};
+    }
+    double weight = lesser(1.0, (FAR_LIT - clear) / (FAR_LIT - LIT));
+    weight *= lesser(1.0, lesser(screen.along, rest) / screen.depth);
+    Phasor hidden = phasor_product(covered(screen.offset[0], screen.half[0], unit),
+                                   covered(screen.offset[1], screen.half[1], unit));
+    return (Phasor){1.0 - weight * hidden.re, -weight * hidden.im};
+}
+
+/* The echo with its phasor times `factor`. */
+static Echo weighted(Echo echo, Phasor factor)
+{
+    echo.level += 0.5 * DECIBEL_PER_NEPER * log(factor.re * factor.re + factor.im * factor.im);
+    echo.phase += atan2(factor.im, factor.re);
+    return echo;
+}
+
+static Vector mirrored(const Surroundings *around, Vector point)
+{
+    double height = dot(subtract(point, around->plane_point), around->plane_normal);
+    return add_scaled(point, -2.0 * height, around->plane_normal);
+}
+
+static Vector turned_over(const Surroundings *around, Vector direction)
+{
+    return add_scaled(direction, -2.0 * dot(direction, around->plane_normal), around->plane_normal);
+}
+
+static Target mirrored_target(const Surroundings *around, const Target *target)
+{
+    return (Target){mirrored(around, target->start), mirrored(around, target->end),
+                    turned_over(around, target->velocity), target->radius, target->reflection, target->extent};
+}
+
+static Box mirrored_box(const Surroundings *around)
+{
+    Box box = around->box;
+    box.center = mirrored(around, box.center);
+    for (int i = 0; i < AXES; i++) {
+        box.axis[i] = turned_over(around, box.axis[i]);
+    }
+    return box;
+}
+
+/* A straight way from an ear to a point that echoes. */
+typedef struct Leg {
+    Vector from, direction;
+    double reach, focus;
+    double begin, pace; /* it is `along` from the ear at begin + pace along, from the emission */
+} Leg;
+
+enum { PLANE = -1, BOX = MOST_TARGETS }; /* besides the targets' numbers */
+
+/* Whether a ball is too far from the leg to shade it. */
+static bool clear_of(const Leg *leg, Vector center, double extent, double zone)
+{
+    Vector offset = subtract(center, leg->from);
+    double along = dot(offset, leg->direction), reach = extent + zone;
+    return dot(offset, offset) - along * along > reach * reach || along > leg->reach + extent || along < -extent;
+}
+
+/* What all bodies but `own` leave on a leg. From the image of an ear it begins behind the plane, among the
+ * images of the bodies. */
+static Phasor passed_by_all(const Surroundings *around, const Leg *leg, int own, double wave_number)
+{
+    bool image = around->plane && dot(subtract(leg->from, around->plane_point), around->plane_normal) < 0.0;
+    double zone = FAR_LIT * sqrt(PI / wave_number * 0.25 * (leg->reach + leg->focus)); /* widest half way */
+    Phasor whole = {1.0, 0.0};
+    for (int side = 0; side < (image ? 2 : 1); side++) {
+        for (int i = 0; i < around->targets; i++) {
+            Target target = side ? mirrored_target(around, &around->target[i]) : around->target[i];
+            Vector middle = scale(0.5, add(target.start, target.end));
+            double along = dot(subtract(middle, leg->from), leg->direction), when = leg->begin + leg->pace * along;
+            middle = add_scaled(middle, when, target.velocity);
+            if ((i != own || side) && !clear_of(leg, middle, target.extent, zone)) {
+                Screen screen = screen_of_target(&target, leg->from, leg->direction, when);
+                whole = phasor_product(whole, passed(screen, leg->reach, leg->focus, wave_number));
+            }
+        }
+        if (around->box_present && (own != BOX || side)) {
+            Box box = side ? mirrored_box(around) : around->box;
+            if (!clear_of(leg, box.center, box.extent, zone)) {
+                Screen screen = screen_of_box(&box, leg->from, leg->direction);
+                whole = phasor_product(whole, passed(screen, leg->reach, leg->focus, wave_number));
+            }
+        }
+    }
+    return whole;
+}
+
+/* Whether the point lies in another body. */
+static bool buried(const Surroundings *around, Vector point, double when, int own)
+{
+    for (int i = 0; i < around->targets; i++) {
+        Target target = around->target[i];
+        Vector here = add_scaled(point, -when, target.velocity);
+        double reach = norm(subtract(here, axis_point(&target, nearest_share(&target, here))));
+        if (i != own && reach < target.radius * (i < own ? 1.0 + TOUCHING : 1.0 - TOUCHING)) {
+            return true;
+        }
+    }
+    bool inside = around->box_present && own != BOX;
+    for (int i = 0; i < AXES && inside; i++) {
+        inside = fabs(dot(subtract(point, around->box.center), around->box.axis[i])) < around->box.half[i];
+    }
+    return inside;
+}
+
+/* What is left of an echo by body `own` behind and beside the others. */
+static Echo shaded(const UltrasonicSensor *sensor, const Surroundings *around, const Transceiver *pair, int own,
+                   const Path *path, Curvature mirror, Echo echo)
+{
+    int others = around->targets + around->box_present - (own != PLANE);
+    if (others == 0 || !isfinite(echo.time)) {
+        return echo;
+    }
+    if (buried(around, path->point, path->bounce_time, own)) {
+        return silence;
+    }
+    /* the mean curvature that the mirror adds, from the spreading */
+    double whole = path->first + path->second;
+    double added = (2.0 / sqrt(spreading_power(*path, mirror)) - whole) / (path->first * path->second);
+    double slow = 1.0 / sensor->speed_of_sound;
+    Leg there = {pair->transmitter, path->incident, path->first, 1.0 / (added + 1.0 / path->second), 0.0, slow};
+    Vector receiver = add_scaled(pair->receiver, path->time, pair->velocity);
+    Leg back = {receiver, scale(-1.0, path->reflected), path->second, 1.0 / (added + 1.0 / path->first), path->time,
+                -slow};
+    Phasor factor = phasor_product(passed_by_all(around, &there, own, sensor->wave_number),
+                                   passed_by_all(around, &back, own, sensor->wave_number));
+    bool clear = factor.re == 1.0 && factor.im == 0.0;
+    return clear ? echo : weighted(echo, factor);
+}
