@@ -238,9 +238,11 @@ def test_automatic_takes_the_mesh_where_no_capsule_stands_for_it():
 def test_automatic_takes_the_mesh_where_two_echoes_are_close(gap, surface):
     specular = ping(**CAPSULE)
     half = specular["speed_of_sound"] * specular["time_of_flight"] / 2
-    wall = {"plane_point": [np.sqrt(half**2 - 0.013**2) + gap, 0.0, 0.0], "plane_normal": [-1.0, 0.0, 0.0]}
-    seen = ping(**ARM.inputs(), **CAPSULE, **wall, fidelity="automatic")
-    assert seen == ping(**ARM.inputs(), **CAPSULE, **wall, fidelity="surface" if surface else "specular")
+    aside = np.radians(25.0)  # beside the arm, which does not shade it
+    center = (half + gap + 0.05) * np.array([np.cos(aside), 0.0, np.sin(aside)])
+    ball = {"sphere_center": center, "sphere_radius": 0.05}
+    seen = ping(**ARM.inputs(), **CAPSULE, **ball, fidelity="automatic")
+    assert seen == ping(**ARM.inputs(), **CAPSULE, **ball, fidelity="surface" if surface else "specular")
 
 
 # With ArmSkin
