@@ -222,7 +222,8 @@ def test_automatic_takes_the_mesh_where_no_capsule_stands_for_it():
 def test_automatic_takes_the_mesh_where_two_echoes_are_close(gap, surface):
     specular = ping(**CAPSULE)
     half = specular["speed_of_sound"] * specular["time_of_flight"] / 2
-    wall = {"plane_point": [np.sqrt(half**2 - 0.013**2) + gap, 0.0, 0.0], "plane_normal": [-1.0, 0.0, 0.0]}
+    aside = np.array([np.cos(0.35), 0.0, np.sin(0.35)])  # where the arm does not cover it
+    wall = {"plane_point": (np.sqrt(half**2 - 0.013**2) + gap) * aside, "plane_normal": -aside}
     seen = ping(**ARM.inputs(), **CAPSULE, **wall, fidelity="automatic")
     assert seen == ping(**ARM.inputs(), **CAPSULE, **wall, fidelity="surface" if surface else "specular")
 
