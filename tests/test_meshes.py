@@ -159,6 +159,10 @@ def test_sizes_types_and_units_are_checked():
             scene.connect(skin.normals, sensor.surface_vertices)
         with pytest.raises(ValueError, match=r"factor or an offset needs floating-point"):
             scene.connect(skin.triangles, sensor.surface_triangles, factor=2.0)
+        with pytest.raises(
+            ValueError, match=r"sequence .* to sensor\.trigger_clock .*is a Clock, which holds no numbers"
+        ):
+            scene.connect(sensor.sequence, sensor.trigger_clock)
         with pytest.raises(KeyError, match=r"surface_vertices"):
             scene.connect("skin.vertices", "sensor.surface_vertex")
         with pytest.raises(KeyError, match=r"no unit 'skim'.*skin"):

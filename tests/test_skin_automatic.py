@@ -233,13 +233,15 @@ BAD = {
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_what_cannot_have_weights_is_refused_with_the_reason(tmp_path, name):
+def test_what_cannot_have_weights_is_refused_with_the_reason(tmp_path, monkeypatch, name):
     vertices, triangles, joints, message = BAD[name]
+    (tmp_path / "here").mkdir()
+    monkeypatch.chdir(tmp_path / "here")
     path = write_obj(tmp_path / "bad.obj", vertices, triangles)
     done = ulna("skin", "import", path, "--out", tmp_path / "bad.fmu", *options(joints))
     assert (done.exit_code, "Traceback" in done.output) == (2, False), done.output
     assert re.search(message, done.output), done.output
-    assert not (tmp_path / "bad.fmu").exists()
+    assert not (tmp_path / "bad.fmu").exists() and not list((tmp_path / "here").iterdir())
 
 
 @pytest.mark.parametrize(

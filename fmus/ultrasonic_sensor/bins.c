@@ -164,9 +164,8 @@ static Echo echo_of_mesh(const UltrasonicSensor *sensor, const Bins *bins, Liste
     double most = sqrt(square_of(listening->loudest)), in_phase = inner_product(value, listening->loudest) / most;
     double arrival = ((double)listening->loudest_bin + 1.0) * bins->span - sensor->peak_time;
     if (listening->loudest_bin >= now) {
-        Envelope there;
         double margin = log(most / (in_phase > 0.0 ? in_phase : sqrt(square_of(value))));
-        arrival = crossing / sensor->ring_time - plain_rise(sensor, sensor->peak * exp(-margin), margin, &there);
+        arrival = (crossing - rise_time(sensor, margin, silence)) / sensor->ring_time;
     }
     double level = sensor->threshold + DECIBEL_PER_NEPER * log(most / sensor->peak);
     return (Echo){.time = sensor->ring_time * greater(arrival, 0.0), .level = level};

@@ -27,8 +27,8 @@ static void keep_left(UltrasonicSensor *sensor, const Echoes *echoes, double emi
 {
     sensor->left_count = 0;
     for (int i = 0; i < echoes->count && sensor->left_count < MOST_LATE; i++) {
-        Echo echo = echoes->echo[i];
-        if (echo.time > end && !echo.foreign) {
+        if (echoes->echo[i].time > end && !echoes->echo[i].foreign) {
+            Echo echo = echoes->echo[i];
             const double numbers[LATE_NUMBERS] = {emission + echo.time, echo.level, echo.phase,
                                                   echo.there,           echo.back,  echo.doppler};
             memcpy(&sensor->left[LATE_NUMBERS * sensor->left_count++], numbers, sizeof numbers);
@@ -62,7 +62,10 @@ static void add_coupling(const UltrasonicSensor *sensor, const Transceiver *pair
 static int those_in_time(const UltrasonicSensor *sensor, Echoes *echoes)
 {
     int place = 0;
-    for (int i = 0; i < echoes->count; i++) {
+    while (place < echoes->count && echoes->echo[place].time <= sensor->farthest_time) {
+        place++;
+    }
+    for (int i = place + 1; i < echoes->count; i++) {
         Echo echo = echoes->echo[i];
         if (echo.time <= sensor->farthest_time) {
             echoes->echo[i] = echoes->echo[place];

@@ -5,6 +5,7 @@
  */
 enum { FOREIGN = 3 };
 
+#define NO_BURST (-1e9) /* s, the start of burst_times and of its like: long ago */
 #define LONGEST_WAY 0.1 /* s, 34 m: more than 75 dB below a wall at 1 m */
 
 /* What is known of another sensor. */
@@ -32,9 +33,21 @@ static Foreign foreign_sensor(const UltrasonicSensor *sensor, int number)
                      sensor->foreign_3_velocity, sensor->foreign_3_position_time};
 }
 
+/* Whether another sensor has told of any burst. */
+static bool foreign_told(const UltrasonicSensor *sensor)
+{
+    return sensor->foreign_1_period > 0.0 || sensor->foreign_2_period > 0.0 || sensor->foreign_3_period > 0.0
+        || sensor->foreign_1_times[0] > NO_BURST || sensor->foreign_2_times[0] > NO_BURST
+        || sensor->foreign_3_times[0] > NO_BURST || sensor->foreign_1_times[1] > NO_BURST
+        || sensor->foreign_2_times[1] > NO_BURST || sensor->foreign_3_times[1] > NO_BURST;
+}
+
 /* Whether the others tell of other bursts than when the ping in flight was computed. */
 static bool foreign_news(const UltrasonicSensor *sensor)
 {
+    if (!foreign_told(sensor)) {
+        return false;
+    }
     bool news = false;
     for (int i = 0; i < FOREIGN; i++) {
         Foreign foreign = foreign_sensor(sensor, i);
@@ -47,6 +60,9 @@ static bool foreign_news(const UltrasonicSensor *sensor)
 
 static void see_foreign(UltrasonicSensor *sensor)
 {
+    if (!foreign_told(sensor)) {
+        return;
+    }
     for (int i = 0; i < FOREIGN; i++) {
         Foreign foreign = foreign_sensor(sensor, i);
         const double now[5] = {foreign.start, foreign.period, foreign.rest, foreign.times[0], foreign.times[1]};
@@ -122,6 +138,9 @@ static void add_foreign_burst(const UltrasonicSensor *sensor, const Foreign *for
 /* All bursts of others that a ping may hear. */
 static void add_foreign(const UltrasonicSensor *sensor, double emission, Echoes *echoes)
 {
+    if (!foreign_told(sensor)) {
+        return;
+    }
     double first = emission - LONGEST_WAY, last = emission + sensor->farthest_time;
     for (int i = 0; i < FOREIGN; i++) {
         Foreign foreign = foreign_sensor(sensor, i);

@@ -11,7 +11,7 @@
 
 #define PI 3.14159265358979323846
 #define DECIBEL_PER_NEPER 8.685889638065036553 /* 20 / ln 10 */
-#define PISTON_RADIUS 6.57e-3                  /* m; 55 degrees wide at -6 dB, two-way, 40 kHz */
+#define PISTON_RADIUS 6.57e-3                  /* m; 55 degrees wide at -6 dB each way, 40 kHz: -12 dB there and back */
 
 /* Transmitter and receiver at the emission; the receiver moves on. */
 typedef struct Transceiver {

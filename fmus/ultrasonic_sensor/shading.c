@@ -123,7 +123,7 @@ static Vector turned_over(const Surroundings *around, Vector direction)
 static Target mirrored_target(const Surroundings *around, const Target *target)
 {
     return (Target){mirrored(around, target->start), mirrored(around, target->end),
-                    turned_over(around, target->velocity), target->radius, target->reflection, target->extent};
+                    turned_over(around, target->velocity), target->radius, target->reflection};
 }
 
 static Box mirrored_box(const Surroundings *around)
@@ -166,7 +166,8 @@ static Phasor passed_by_all(const Surroundings *around, const Leg *leg, int own,
             Vector middle = scale(0.5, add(target.start, target.end));
             double along = dot(subtract(middle, leg->from), leg->direction), when = leg->begin + leg->pace * along;
             middle = add_scaled(middle, when, target.velocity);
-            if ((i != own || side) && !clear_of(leg, middle, target.extent, zone)) {
+            double extent = 0.5 * norm(subtract(target.end, target.start)) + target.radius;
+            if ((i != own || side) && !clear_of(leg, middle, extent, zone)) {
                 Screen screen = screen_of_target(&target, leg->from, leg->direction, when);
                 whole = phasor_product(whole, passed(screen, leg->reach, leg->focus, wave_number));
             }
@@ -200,12 +201,17 @@ static bool buried(const Surroundings *around, Vector point, double when, int ow
     return inside;
 }
 
+/* Whether no body besides `own` can shade it. */
+static bool alone(const Surroundings *around, int own)
+{
+    return around->targets + around->box_present == (own != PLANE);
+}
+
 /* What is left of an echo by body `own` behind and beside the others. */
 static Echo shaded(const UltrasonicSensor *sensor, const Surroundings *around, const Transceiver *pair, int own,
                    const Path *path, Curvature mirror, Echo echo)
 {
-    int others = around->targets + around->box_present - (own != PLANE);
-    if (others == 0 || !isfinite(echo.time)) {
+    if (!isfinite(echo.time)) {
         return echo;
     }
     if (buried(around, path->point, path->bounce_time, own)) {

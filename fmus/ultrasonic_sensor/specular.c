@@ -32,7 +32,7 @@ static Echo specular_plane(const UltrasonicSensor *sensor, const Surroundings *a
 {
     Path path = plane_path(pair, around->plane_point, around->plane_normal, sensor->speed_of_sound);
     Echo echo = echo_of_path(sensor, pair, &path, plane_curvature(), at_rest, sensor->plane_reflection);
-    return shaded(sensor, around, pair, PLANE, &path, plane_curvature(), echo);
+    return alone(around, PLANE) ? echo : shaded(sensor, around, pair, PLANE, &path, plane_curvature(), echo);
 }
 
 /* The path by a given surface point; what moves is taken where it is at the reception. */
@@ -97,9 +97,9 @@ static Echo blended(const UltrasonicSensor *sensor, const Transceiver *pair, con
             continue; /* the far cap of a capsule whose near one answers */
         }
         Vector outward = scale(side == 0 ? -1.0 / size : 1.0 / size, whole);
-        /* quick and on the safe side: the slope there is at most what the nearest sphere would make it */
-        double least = 2.0 * away / hypot(greater(mirror->first, mirror->second), away);
-        if (least * sqrt(k / (PI * cap_bend)) > LAST_END) {
+        /* quick and on the safe side: the slope there is at least 2 away / hypot(leg, away) */
+        double leg = greater(mirror->first, mirror->second);
+        if (4.0 * away * away * k > LAST_END * LAST_END * PI * cap_bend * (leg * leg + away * away)) {
             continue;
         }
         Vector center = side == 0 ? target->start : target->end;
@@ -114,6 +114,12 @@ static Echo blended(const UltrasonicSensor *sensor, const Transceiver *pair, con
     return changed ? weighted(echo, factor) : echo;
 }
 
+/* No less than the length, without a root. */
+static double most_of(Vector a)
+{
+    return fabs(a.x) + fabs(a.y) + fabs(a.z);
+}
+
 /* On the axis of the capsule the centre of the touching ball is nearest to where the normal aims. */
 static Path target_path(const UltrasonicSensor *sensor, const Surroundings *around, const Target *target,
                         const Transceiver *pair, Vector slide, double *share)
@@ -122,8 +128,8 @@ static Path target_path(const UltrasonicSensor *sensor, const Surroundings *arou
     *share = nearest_share(target, around->middle);
     Ball ball = {axis_point(target, *share), target->velocity, slide, target->radius};
     Path path = ball_path_guess(pair, ball, speed);
-    double baseline = norm(subtract(pair->receiver, pair->transmitter));
-    double drift = norm(target->velocity), ear = norm(pair->velocity);
+    double baseline = most_of(subtract(pair->receiver, pair->transmitter));
+    double drift = most_of(target->velocity), ear = most_of(pair->velocity);
     for (int i = 0; i < MOST_REFINEMENTS; i++) {
         *share = nearest_share(target, path_aim(pair, path));
         ball.center = axis_point(target, *share);
@@ -158,7 +164,9 @@ static Echo specular_target(const UltrasonicSensor *sensor, const Surroundings *
         mirror = cylinder_curvature(path, scale(1.0 / sqrt(square), whole), target->radius);
     }
     Echo echo = echo_of_path(sensor, pair, &path, mirror, target->velocity, target->reflection);
-    echo = shaded(sensor, around, pair, number, &path, mirror, echo);
+    if (!alone(around, number)) {
+        echo = shaded(sensor, around, pair, number, &path, mirror, echo);
+    }
     return square > 0.0 && isfinite(echo.time) ? blended(sensor, pair, target, &path, share, echo) : echo;
 }
 
@@ -213,7 +221,8 @@ static Echo echo_of_part(const UltrasonicSensor *sensor, const Surroundings *aro
     if (faint || !isfinite(echo.time)) {
         return silence;
     }
-    return shaded(sensor, around, pair, BOX, path, plane_curvature(), weighted(echo, weight));
+    echo = weighted(echo, weight);
+    return alone(around, BOX) ? echo : shaded(sensor, around, pair, BOX, path, plane_curvature(), echo);
 }
 
 /* A face as a bounded plane: its mirror point, its edges and its corners, each where and when it is. */

@@ -284,8 +284,7 @@ static double lone_crossing(const UltrasonicSensor *sensor, Echo *echo)
     if (fabs(shift.turn) > QUICK_SHIFT) {
         return 0.0;
     }
-    Envelope unused;
-    double guess = plain_rise(sensor, height * sensor->peak / loudest, log(loudest / height), &unused);
+    double guess = plain_rise(sensor, height * sensor->peak / loudest, log(loudest / height));
     return echo->time + sensor->ring_time * shifted_rise(sensor, &shift, height, guess, latest);
 }
 
@@ -293,13 +292,17 @@ static double lone_crossing(const UltrasonicSensor *sensor, Echo *echo)
  * arrives: then in closed form. */
 static Detection detect(const UltrasonicSensor *sensor, const Echo *echoes, int echo_count)
 {
-    Echo first = silence;
-    double second = INFINITY;
-    for (int i = 0; i < echo_count; i++) {
-        second = lesser(second, greater(first.time, echoes[i].time));
-        first = echoes[i].time < first.time ? echoes[i] : first;
+    if (echo_count == 0) {
+        return (Detection){INFINITY, silence};
     }
-    double crossing = isfinite(first.time) ? lone_crossing(sensor, &first) : INFINITY;
+    int earliest = 0;
+    double second = INFINITY;
+    for (int i = 1; i < echo_count; i++) {
+        second = lesser(second, greater(echoes[earliest].time, echoes[i].time));
+        earliest = echoes[i].time < echoes[earliest].time ? i : earliest;
+    }
+    Echo first = echoes[earliest];
+    double crossing = lone_crossing(sensor, &first);
     if (crossing >= sensor->nearest_time && crossing <= second) {
         return (Detection){crossing, isfinite(crossing) ? first : silence};
     }

@@ -37,7 +37,6 @@ static double greater(double a, double b)
 typedef struct Target {
     Vector start, end, velocity;
     double radius, reflection;
-    double extent; /* of a ball about its middle that holds it */
 } Target;
 
 enum { MOST_TARGETS = 3, AXES = 3 };
@@ -70,7 +69,6 @@ static Box box_of(const UltrasonicSensor *sensor)
 static void add_target(Surroundings *around, Target target)
 {
     if (target.radius > 0.0) {
-        target.extent = 0.5 * norm(subtract(target.end, target.start)) + target.radius;
         around->target[around->targets++] = target;
     }
 }
@@ -93,11 +91,11 @@ static Surroundings surroundings_at(const UltrasonicSensor *sensor, double emiss
     around.plane_normal = around.plane ? scale(1.0 / norm(sensor->plane_normal), sensor->plane_normal) : at_rest;
     around.targets = 0;
     add_target(&around, (Target){sphere, sphere, sensor->sphere_velocity, sensor->sphere_radius,
-                                 sensor->sphere_reflection, 0.0});
+                                 sensor->sphere_reflection});
     add_target(&around, (Target){sensor->capsule_1_start, sensor->capsule_1_end, at_rest, sensor->capsule_1_radius,
-                                 sensor->capsule_reflection, 0.0});
+                                 sensor->capsule_reflection});
     add_target(&around, (Target){sensor->capsule_2_start, sensor->capsule_2_end, at_rest, sensor->capsule_2_radius,
-                                 sensor->capsule_reflection, 0.0});
+                                 sensor->capsule_reflection});
     Vector size = sensor->box_size;
     around.box_present = size.x > 0.0 && size.y > 0.0 && size.z > 0.0;
     if (around.box_present) {

@@ -58,16 +58,23 @@ static void notice_change(double time, Vector input, Vector *seen, double *since
     }
 }
 
-static void notice_inputs(UltrasonicSensor *sensor)
+static void notice_foreign(UltrasonicSensor *sensor)
 {
-    notice_change(sensor->time, sensor->position, &sensor->position_seen, &sensor->position_time);
-    notice_change(sensor->time, sensor->sphere_center, &sensor->sphere_center_seen, &sensor->sphere_center_time);
     notice_change(sensor->time, sensor->foreign_1_position, &sensor->foreign_1_position_seen,
                   &sensor->foreign_1_position_time);
     notice_change(sensor->time, sensor->foreign_2_position, &sensor->foreign_2_position_seen,
                   &sensor->foreign_2_position_time);
     notice_change(sensor->time, sensor->foreign_3_position, &sensor->foreign_3_position_seen,
                   &sensor->foreign_3_position_time);
+}
+
+static void notice_inputs(UltrasonicSensor *sensor)
+{
+    notice_change(sensor->time, sensor->position, &sensor->position_seen, &sensor->position_time);
+    notice_change(sensor->time, sensor->sphere_center, &sensor->sphere_center_seen, &sensor->sphere_center_time);
+    if (foreign_told(sensor)) {
+        notice_foreign(sensor);
+    }
 }
 
 static bool trigger_rises(const UltrasonicSensor *sensor)
@@ -146,8 +153,6 @@ static void pend_silence(UltrasonicSensor *sensor, double end)
     sensor->pending_distance = sensor->maximum_range;
     sensor->pending_device = DEVICE_SPEED * end;
 }
-
-#define NO_BURST (-1e9) /* s, the start of burst_times and of its like: long ago */
 
 /* Others know of the regular bursts by their start and period. */
 static void await_burst(UltrasonicSensor *sensor, double emission, bool regular)
@@ -236,6 +241,9 @@ static void ultrasonic_sensor_event(UltrasonicSensor *sensor)
     } else {
         await_burst(sensor, burst_time(sensor, sensor->next_ping), sensor->burst_rest >= 0.0);
         sensor->next_ping++;
+        if (is_due(sensor)) {
+            emit_burst(sensor);
+        }
     }
 }
 

@@ -10,6 +10,8 @@ The bones end short of the joint, `half_width` on both sides. In a thin limb w t
 at the bones' ends: the cubic 3 s^2 - 2 s^3, ArmSkin's own weight.
 """
 
+from contextlib import chdir
+from tempfile import TemporaryDirectory
 from types import ModuleType
 
 import numpy as np
@@ -97,9 +99,11 @@ def _cells(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.nd
         import tetgen
     except ModuleNotFoundError:
         raise ModuleNotFoundError(INSTALL) from None
+    mesher = tetgen.TetGen(points, triangles.astype(np.int32))
     try:
-        mesher = tetgen.TetGen(points, triangles.astype(np.int32))
-        nodes, cells, *_ = mesher.tetrahedralize(plc=True, quality=True, nobisect=True, minratio=SHAPE, quiet=True)
+        # it leaves a file of what crosses where it is called
+        with TemporaryDirectory() as folder, chdir(folder):
+            nodes, cells, *_ = mesher.tetrahedralize(plc=True, quality=True, nobisect=True, minratio=SHAPE, quiet=True)
     except RuntimeError as error:
         raise ValueError(f"cannot be cut into tetrahedra: {error} Allowed: none that crosses itself") from None
     if len(nodes) < len(points) or not np.array_equal(nodes[: len(points)], points):

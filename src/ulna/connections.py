@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
 # Numbers connect within a kind, whatever their width.
 KINDS = {"Float32": "float", "Float64": "float", "Boolean": "Boolean", "Enumeration": "enumeration"}
+NO_NUMBERS = ("Clock", "String", "Binary")
 
 
 @dataclass(frozen=True)
@@ -122,6 +123,9 @@ def connect_ends(source: End, target: End, factor: float | None, offset: float |
         raise ValueError(f"cannot connect {both}: the source is no output{hint}")
     if target.variable.causality != "input":
         raise ValueError(f"cannot connect {both}: the target is no input")
+    for end in (source, target):
+        if end.variable.type in NO_NUMBERS:
+            raise ValueError(f"cannot connect {both}: {end.name} is a {end.variable.type}, which holds no numbers")
     if source.kind != target.kind or source.variable.entries != target.variable.entries:
         raise ValueError(f"cannot connect {both}: their types differ")
     check_sizes(source, target)

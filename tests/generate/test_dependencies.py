@@ -23,7 +23,7 @@ PUSH = 0.3
 REACTION = 1e-9
 UNIT_VECTORS = {"axis"}
 SHORT_TIMES = {"echo_start", "time_out"}  # of milliseconds: a push of the others' size is refused
-REFUSED = {"surface"}  # entries of enumerations that FMI 2 cannot have: no mesh
+MESHED = {"surface"}  # needs a mesh, which FMI 2 cannot carry
 
 
 class Probe:
@@ -54,8 +54,8 @@ class Probe:
         drawn = [v for v in drawn if v.name not in SHORT_TIMES]
         self.fmu.setReal([v.valueReference for v in drawn], self.numbers(name, drawn))
         choices = [v for v in self.description.modelVariables if v.causality == "parameter" and v.type == "Enumeration"]
-        open_to = [[k for k, item in enumerate(v.declaredType.items, 1) if item.name not in REFUSED] for v in choices]
-        entries = [numbers[seed % len(numbers)] for numbers in open_to]
+        usable = [[int(item.value) for item in v.declaredType.items if item.name not in MESHED] for v in choices]
+        entries = [values[seed % len(values)] for values in usable]
         self.fmu.setInteger([v.valueReference for v in choices], entries)
         self.fmu.setupExperiment(startTime=0.0)
         self.fmu.enterInitializationMode()

@@ -172,13 +172,13 @@ def meshes(rounds: int) -> Table:
     rows = []
     for vertices, (_, lit) in found.items():
         ping = cost["ping", vertices][0] / SKIN_PINGS
-        ray = cost["ray", vertices][0] / PINGS if rays else float("nan")
-        rows.append((f"{vertices} vertices", lit, ping * 1e6, ping / lit * 1e9, ray * 1e9))
+        beside = [cost["ray", vertices][0] / PINGS * 1e9] if rays else []
+        rows.append((f"{vertices} vertices", lit, ping * 1e6, ping / lit * 1e9, *beside))
     return Table(
         "UltrasonicSensor: surface",
-        f"One doStep of {SKIN_PINGS} pings at ArmSkin's mesh, {REACH:g} m away; in the same run, rays of MuJoCo along "
-        "the axis at the same mesh.",
-        ("mesh", "lit triangles", "us a ping", "ns a lit triangle", "ns a ray"),
+        f"One doStep of {SKIN_PINGS} pings at ArmSkin's mesh, {REACH:g} m away"
+        + ("; in the same run rays of MuJoCo along the axis at the same mesh." if rays else "."),
+        ("mesh", "lit triangles", "us a ping", "ns a lit triangle", *(["ns a ray"] if rays else [])),
         rows,
     )
 
