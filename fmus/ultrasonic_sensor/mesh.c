@@ -136,9 +136,9 @@ static Vector row_of(const float *rows, size_t count, int32_t index)
     return vector((double)rows[index], (double)rows[count + (size_t)index], (double)rows[2 * count + (size_t)index]);
 }
 
-/* A triangle with too long a side; its tip is across from the shortest. */
+/* A triangle with a `side` too long, squared; its tip is across from the shortest. */
 static void add_patch(const Pass *pass, Pieces *pieces, const Mesh *mesh, const int32_t *corner, const double squares[3],
-                      double longest)
+                      double side)
 {
     Patch patch;
     int shortest = squares[0] < squares[1] ? (squares[0] < squares[2] ? 0 : 2) : (squares[1] < squares[2] ? 1 : 2);
@@ -149,10 +149,10 @@ static void add_patch(const Pass *pass, Pieces *pieces, const Mesh *mesh, const 
     }
     for (int i = 0; i < 3; i++) {
         int next = (i + 1) % 3;
-        Vector side = subtract(patch.corner[next], patch.corner[i]);
-        patch.bulge[i] = 0.125 * dot(side, subtract(patch.normal[next], patch.normal[i]));
+        Vector along = subtract(patch.corner[next], patch.corner[i]);
+        patch.bulge[i] = 0.125 * dot(along, subtract(patch.normal[next], patch.normal[i]));
     }
-    int strips = (int)ceil(sqrt(longest) / pass->longest_piece);
+    int strips = (int)ceil(sqrt(side) / pass->longest_piece);
     int cells = (int)ceil(sqrt(squares[shortest]) / pass->longest_piece);
     if (cells == strips) {
         add_alike(pass, pieces, &patch, strips);
@@ -189,11 +189,14 @@ static void hear_mesh(const Pass *pass, const Mesh *mesh)
             continue;
         }
         double squares[] = {dot(side[0], side[0]), dot(side[1], side[1]), dot(side[2], side[2])};
+        /* half a square counts by its legs */
         double longest = greater(squares[0], greater(squares[1], squares[2]));
-        if (longest <= most) {
+        double shorter = greater(lesser(squares[0], squares[1]), lesser(greater(squares[0], squares[1]), squares[2]));
+        double square = greater(shorter, 0.5 * longest);
+        if (square <= most) {
             add_piece(pass, &pieces, a, side[0], across, mesh->normals ? middle_bulge(mesh, corner, side) : at_rest);
         } else {
-            add_patch(pass, &pieces, mesh, corner, squares, longest);
+            add_patch(pass, &pieces, mesh, corner, squares, square);
         }
     }
     hear_pieces(pass, &pieces);

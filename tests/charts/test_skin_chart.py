@@ -13,10 +13,13 @@ from typer.testing import CliRunner
 from ulna.bench.arm_skin import SKEW, posed
 from ulna.bench.skinning import rest_mesh, skinned
 from ulna.charts.command import chart
+from ulna.charts.skin_kernel import kernel, levels
 from ulna.charts.skin_measuring import QUICK, Cost, Mesh, Shape, angles, bent, fold_fraction, normal_error, volume_ratio
-from ulna.charts.skin_peers import peers
+from ulna.charts.skin_peers import peers, position_peers
+from ulna.charts.skin_speed import Speed, imported_arm
 from ulna.charts.skin_statements import sound_up_to
 from ulna.charts.skin_strip import edges, seen
+from ulna.skin_mesh import write_mesh
 
 app = typer.Typer()
 app.command()(chart)
@@ -140,6 +143,35 @@ def test_peers_skin_the_same_points(mesh: Mesh) -> None:
     for peer in found.values():
         # a few float32 roundings at up to 0.8 m
         assert np.abs(peer.call()[0] - skinned(peer.method, mesh.points, SKEW)).max() < 5e-7, peer.name
+
+
+def test_peers_that_are_timed_skin_the_same_points(mesh: Mesh) -> None:
+    """Positions alone, but for MuJoCo, and as the method beside which they are timed."""
+    found = {peer.name: peer for peer in position_peers(QUICK.vertices, SKEW)}
+    for peer in found.values():
+        places, outward = peer.call()
+        assert np.abs(places - skinned(peer.method, mesh.points, SKEW)).max() < 5e-7, peer.name
+        assert (outward is not None) == peer.name.startswith("MuJoCo")
+
+
+def test_speeds_have_every_instruction_set_and_statements(document: dict[str, Any]) -> None:
+    found = [Speed(**row) for row in document["speeds"]]
+    assert all(s.seconds > 0.0 for s in found)
+    assert {s.vertices for s in found} == set(QUICK.sizes)
+    named = {(s.name, s.level) for s in found if s.normals}
+    for kind in ("rings", "mesh"):
+        assert {(f"{kind}, {method}", level) for method in BLENDS for level in levels()} <= named
+    claims = [s["claim"] for s in document["statements"] if s["claim"].startswith("a vertex")]
+    assert len(claims) >= 5 + 2 * (len(levels()) - 1) and any("hinge" in claim for claim in claims)
+
+
+def test_arm_of_the_speeds_is_the_procedural_one(tmp_path: Path) -> None:
+    write_mesh(tmp_path / "mesh.bin", imported_arm(QUICK.vertices))
+    level = levels()[-1]
+    with kernel("hinge", SKEW, QUICK.vertices) as rings, kernel("hinge", SKEW, QUICK.vertices, tmp_path) as mesh:
+        # float32 at .8 m, twice; normals in skin that shrinks to a fifth
+        assert np.abs(rings.deformed(level)[0] - mesh.deformed(level)[0]).max() < 2e-7
+        assert np.abs(rings.deformed(level)[1] - mesh.deformed(level)[1]).max() < 5e-6
 
 
 def test_normals_off_by_a_known_turn_are_seen(mesh: Mesh) -> None:

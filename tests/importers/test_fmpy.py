@@ -3,6 +3,7 @@
 import shutil
 import subprocess
 import sys
+from collections import defaultdict
 from pathlib import Path
 
 import fmpy
@@ -74,12 +75,14 @@ def test_model_exchange_agrees_with_co_simulation(name, version):
 @pytest.mark.parametrize("name", [name for name, raw in UNITS.items() if raw.get("events")])
 @pytest.mark.parametrize("early", [False, True])
 def test_fmpy_handles_the_events_itself_with_the_same_result(name, early):
-    """It records the row before and the row after each event: the later one is what a run without event mode shows."""
+    """It records the row before and the row after each event. A run without event mode has the former, as the unit then
+    handles what is due in the step that follows; at the start, where FMPy has the latter only, nothing is compared."""
     fmu = ulna.fmu(name, "3.0")
-    handled = simulate(fmu, name, "3.0", use_event_mode=True, early_return_allowed=early)
-    last = {round(row[0], 9): row[1:] for row in handled}
-    for row in simulate(fmu, name, "3.0"):
-        np.testing.assert_allclose(last[round(row[0], 9)], row[1:], rtol=1e-9)
+    rows = defaultdict(list)
+    for row in simulate(fmu, name, "3.0", use_event_mode=True, early_return_allowed=early):
+        rows[round(row[0], 9)].append(row[1:])
+    for row in simulate(fmu, name, "3.0")[1:]:
+        np.testing.assert_allclose(rows[round(row[0], 9)][0], row[1:], rtol=1e-9)
 
 
 def without_binaries(name: str, version: str, folder: Path) -> Path:

@@ -1,6 +1,7 @@
 """What importers do differently from each other, and every unit must take: see the tools that do it in each test."""
 
 import ctypes
+from collections.abc import Collection
 
 import numpy as np
 import pytest
@@ -82,9 +83,13 @@ def moving(name: str, version: str) -> Slave:
     return unit
 
 
-def numbers(unit: Slave) -> np.ndarray:
+CLOCK_READINGS = {"burst_start", "burst_times"}
+"""Outputs that are points of the run's time, not spans."""
+
+
+def numbers(unit: Slave, but: Collection[str] = ()) -> np.ndarray:
     """All scalar and array outputs of a unit, one after the other; an entry of an enumeration cannot be an output."""
-    outputs = [v.name for v in unit.description.variables.values() if v.causality == "output"]
+    outputs = [v.name for v in unit.description.variables.values() if v.causality == "output" and v.name not in but]
     return np.concatenate([np.asarray(unit.get(output), float).ravel() for output in outputs])
 
 
@@ -123,7 +128,7 @@ def test_a_run_may_start_at_any_time(name, version):
             unit.initialize(start=start)
             for n in range(8):
                 unit.step(start + n / 64, 1 / 64)
-            results.append(numbers(unit))
+            results.append(numbers(unit, but=CLOCK_READINGS))
     # the size of a step is a power of two, and so exact at each of these times; only a start time may leave a rounding
     np.testing.assert_allclose(results[1:], [results[0]] * 2, rtol=1e-12, atol=1e-12)
 
@@ -148,7 +153,8 @@ def test_unusual_step_sizes_lead_to_the_same_place(name, version):
 @each_unit
 def test_event_mode_works_for_importers_that_never_ask_for_clock_intervals(name):
     """Such an importer enters event mode where it is told to, updates the discrete states and steps on. Pings start
-    every 1/64 s, at the end of a step of 1/1024 s: those are its to handle; echoes come back within a step."""
+    every 1/64 s, at the end of a step of 1/1024 s: those are its to handle; echoes come back within a step. The last
+    step ends where nothing is due."""
     description = read_description(path_of(name, "3.0"))
     results = []
     for event_mode in (False, True):
@@ -162,7 +168,7 @@ def test_event_mode_works_for_importers_that_never_ask_for_clock_intervals(name)
             fmu.updateDiscreteStates()
             fmu.enterStepMode()
         handled = 0
-        for n in range(128):
+        for n in range(129):
             event, *_ = fmu.doStep(currentCommunicationPoint=n / 1024, communicationStepSize=1 / 1024)
             if event:
                 fmu.enterEventMode()

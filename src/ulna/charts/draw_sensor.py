@@ -161,7 +161,7 @@ def _spread(ax: Axes, found: Found, truth: str, first: bool) -> None:
         share = (row.silent + np.arange(len(row.errors) + 1)) / row.poses
         errors = [LEAST, *np.maximum(1e3 * np.array(row.errors), LEAST), 3e3]
         style = STYLES.get(name, "-")
-        ax.step(errors, [*share, share[-1]], style, color=look(name)[0], where="post")
+        ax.step(errors, [*share, share[-1]], linestyle=style, color=look(name)[0], where="post")
     ax.set(xscale="log", xlim=(LEAST, 3e3), ylim=(0, 1.02))
     _name(ax, "", "allowed range error, mm", "share of poses right" if first else "")
     if not first:
