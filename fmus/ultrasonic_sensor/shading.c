@@ -139,45 +139,95 @@ static Box mirrored_box(const Surroundings *around)
 /* A straight way from an ear to a point that echoes. */
 typedef struct Leg {
     Vector from, direction;
-    double reach, focus;
-    double begin, pace; /* it is `along` from the ear at begin + pace along, from the emission */
+    double reach, focus; /* of the focus only a bound is needed to see that nothing is near */
+    double begin, pace;  /* it is `along` from the ear at begin + pace along, from the emission */
 } Leg;
 
 enum { PLANE = -1, BOX = MOST_TARGETS }; /* besides the targets' numbers */
 
-/* Whether a ball is too far from the leg to shade it. */
-static bool clear_of(const Leg *leg, Vector center, double extent, double zone)
+/* Where the middle of a body is when the sound passes it, from the ear; as far along the leg as the second says. */
+static Vector middle_of(const Leg *leg, const Target *target, double *along)
 {
-    Vector offset = subtract(center, leg->from);
-    double along = dot(offset, leg->direction), reach = extent + zone;
-    return dot(offset, offset) - along * along > reach * reach || along > leg->reach + extent || along < -extent;
+    Vector offset = subtract(scale(0.5, add(target->start, target->end)), leg->from);
+    *along = dot(offset, leg->direction);
+    return add_scaled(offset, leg->begin + leg->pace * *along, target->velocity);
 }
 
-/* What all bodies but `own` leave on a leg. From the image of an ear it begins behind the plane, among the
- * images of the bodies. */
+/* Whether `passed` would leave all of the sound beside a body: its screen is FAR_LIT off the leg on one of its two
+ * widths. That is farthest half way to the focus. */
+static bool clear_of(const Leg *leg, const Target *target, double wave_number)
+{
+    double along;
+    Vector offset = middle_of(leg, target, &along), whole = subtract(target->end, target->start);
+    along = dot(offset, leg->direction);
+    double slant = dot(whole, leg->direction), depth = 0.5 * fabs(slant) + target->radius;
+    if (along > leg->reach + depth || along < -depth) {
+        return true;
+    }
+    double span = leg->reach + leg->focus;
+    double widest = lesser(greater(0.5 * span, along - depth), along + depth);
+    double zone = FAR_LIT * sqrt(greater(widest * (span - widest) / span, 0.0) * (PI / wave_number));
+    double near = target->radius + zone, flat = sqrt(dot(whole, whole) - slant * slant);
+    if (!(flat > 0.0)) {
+        return dot(offset, offset) - along * along > near * near;
+    }
+    double across = dot(offset, cross(leg->direction, whole)), lengthways = dot(offset, whole) - along * slant;
+    return fabs(across) > near * flat || fabs(lengthways) > (0.5 * flat + 0.25 * PI * target->radius + zone) * flat;
+}
+
+/* The ball about the box. */
+static Target ball_of_box(const Box *box)
+{
+    return (Target){.start = box->center, .end = box->center, .radius = box->extent};
+}
+
+/* From the image of an ear a leg begins behind the plane, among the images of the bodies. */
+static bool from_image(const Surroundings *around, const Leg *leg)
+{
+    return around->plane && dot(subtract(leg->from, around->plane_point), around->plane_normal) < 0.0;
+}
+
+/* Whether no body but `own` is near a leg, and none at its end. */
+static bool clear_of_all(const Surroundings *around, const Leg *leg, int own, double wave_number)
+{
+    bool image = from_image(around, leg);
+    for (int i = 0; i <= around->targets; i++) {
+        bool box = i == around->targets;
+        if (box && !around->box_present) {
+            continue;
+        }
+        Target target = box ? ball_of_box(&around->box) : around->target[i];
+        if ((box ? BOX : i) != own && !clear_of(leg, &target, wave_number)) {
+            return false;
+        }
+        if (image) {
+            target = mirrored_target(around, &target);
+            if (!clear_of(leg, &target, wave_number)) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+/* What all bodies but `own` leave on a leg. */
 static Phasor passed_by_all(const Surroundings *around, const Leg *leg, int own, double wave_number)
 {
-    bool image = around->plane && dot(subtract(leg->from, around->plane_point), around->plane_normal) < 0.0;
-    double zone = FAR_LIT * sqrt(PI / wave_number * 0.25 * (leg->reach + leg->focus)); /* widest half way */
     Phasor whole = {1.0, 0.0};
-    for (int side = 0; side < (image ? 2 : 1); side++) {
+    for (int side = 0; side < (from_image(around, leg) ? 2 : 1); side++) {
         for (int i = 0; i < around->targets; i++) {
             Target target = side ? mirrored_target(around, &around->target[i]) : around->target[i];
-            Vector middle = scale(0.5, add(target.start, target.end));
-            double along = dot(subtract(middle, leg->from), leg->direction), when = leg->begin + leg->pace * along;
-            middle = add_scaled(middle, when, target.velocity);
-            double extent = 0.5 * norm(subtract(target.end, target.start)) + target.radius;
-            if ((i != own || side) && !clear_of(leg, middle, extent, zone)) {
-                Screen screen = screen_of_target(&target, leg->from, leg->direction, when);
+            if ((i != own || side) && !clear_of(leg, &target, wave_number)) {
+                double along;
+                middle_of(leg, &target, &along);
+                Screen screen = screen_of_target(&target, leg->from, leg->direction, leg->begin + leg->pace * along);
                 whole = phasor_product(whole, passed(screen, leg->reach, leg->focus, wave_number));
             }
         }
         if (around->box_present && (own != BOX || side)) {
             Box box = side ? mirrored_box(around) : around->box;
-            if (!clear_of(leg, box.center, box.extent, zone)) {
-                Screen screen = screen_of_box(&box, leg->from, leg->direction);
-                whole = phasor_product(whole, passed(screen, leg->reach, leg->focus, wave_number));
-            }
+            Screen screen = screen_of_box(&box, leg->from, leg->direction);
+            whole = phasor_product(whole, passed(screen, leg->reach, leg->focus, wave_number));
         }
     }
     return whole;
@@ -214,17 +264,21 @@ static Echo shaded(const UltrasonicSensor *sensor, const Surroundings *around, c
     if (!isfinite(echo.time)) {
         return echo;
     }
+    double whole = path->first + path->second, slow = 1.0 / sensor->speed_of_sound;
+    Vector receiver = add_scaled(pair->receiver, path->time, pair->velocity);
+    /* no wavefront comes together farther off than where the other leg ends */
+    Leg there = {pair->transmitter, path->incident, path->first, path->second, 0.0, slow};
+    Leg back = {receiver, scale(-1.0, path->reflected), path->second, path->first, path->time, -slow};
+    if (clear_of_all(around, &there, own, sensor->wave_number) && clear_of_all(around, &back, own, sensor->wave_number)) {
+        return echo;
+    }
     if (buried(around, path->point, path->bounce_time, own)) {
         return silence;
     }
     /* the mean curvature that the mirror adds, from the spreading */
-    double whole = path->first + path->second;
     double added = (2.0 / sqrt(spreading_power(*path, mirror)) - whole) / (path->first * path->second);
-    double slow = 1.0 / sensor->speed_of_sound;
-    Leg there = {pair->transmitter, path->incident, path->first, 1.0 / (added + 1.0 / path->second), 0.0, slow};
-    Vector receiver = add_scaled(pair->receiver, path->time, pair->velocity);
-    Leg back = {receiver, scale(-1.0, path->reflected), path->second, 1.0 / (added + 1.0 / path->first), path->time,
-                -slow};
+    there.focus = 1.0 / (added + 1.0 / path->second);
+    back.focus = 1.0 / (added + 1.0 / path->first);
     Phasor factor = phasor_product(passed_by_all(around, &there, own, sensor->wave_number),
                                    passed_by_all(around, &back, own, sensor->wave_number));
     bool clear = factor.re == 1.0 && factor.im == 0.0;
