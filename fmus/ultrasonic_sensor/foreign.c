@@ -6,6 +6,7 @@
 enum { FOREIGN = 3 };
 
 #define NO_BURST (-1e9) /* s, the start of burst_times and of its like: long ago */
+#define SHORTEST_PERIOD 0.001 /* s; the air is not silent sooner, and each ping costs an event */
 #define LONGEST_WAY 0.1 /* s, 34 m: more than 75 dB below a wall at 1 m */
 
 /* What is known of another sensor. */
@@ -31,6 +32,22 @@ static Foreign foreign_sensor(const UltrasonicSensor *sensor, int number)
     return (Foreign){sensor->foreign_3_start,    sensor->foreign_3_period,   sensor->foreign_3_rest,
                      sensor->foreign_3_times,    sensor->foreign_3_position, sensor->foreign_3_axis,
                      sensor->foreign_3_velocity, sensor->foreign_3_position_time};
+}
+
+static Status check_foreign(const UltrasonicSensor *sensor, double sound, Log *log)
+{
+    for (int i = 0; i < FOREIGN; i++) {
+        Foreign foreign = foreign_sensor(sensor, i);
+        if (foreign.period > 0.0 && foreign.period < SHORTEST_PERIOD) {
+            return report(log, STATUS_ERROR, "foreign_%d_period = %g s; allowed range: 0 (no periodic bursts) or at least %g s",
+                          i + 1, foreign.period, SHORTEST_PERIOD);
+        }
+        if (norm(foreign.velocity) >= sound) {
+            return report(log, STATUS_ERROR, "foreign_%d_velocity = %g m/s in length; allowed range: below the speed of sound "
+                          "(%g m/s)", i + 1, norm(foreign.velocity), sound);
+        }
+    }
+    return STATUS_OK;
 }
 
 /* Whether another sensor has told of any burst. */
@@ -110,9 +127,13 @@ static double ringing(const UltrasonicSensor *sensor, Echo echo)
 static void add_foreign_burst(const UltrasonicSensor *sensor, const Foreign *foreign, double sent, double emission,
                               Echoes *echoes)
 {
+    double length = norm(foreign->axis);
+    if (!(length > 0.0)) {
+        return; /* it looks nowhere */
+    }
     Surroundings around = surroundings_at(sensor, sent);
     around.pair.transmitter = add_scaled(foreign->position, sent - foreign->position_time, foreign->velocity);
-    around.pair.axis = foreign->axis;
+    around.pair.axis = scale(1.0 / length, foreign->axis);
     around.pair.transmitter_velocity = foreign->velocity;
     Vector height = subtract(around.pair.transmitter, around.plane_point);
     if (around.plane && dot(height, around.plane_normal) <= 0.0) {
@@ -149,11 +170,16 @@ static void add_foreign(const UltrasonicSensor *sensor, double emission, Echoes 
                 add_foreign_burst(sensor, &foreign, foreign.times[k], emission, echoes);
             }
         }
-        bool regular = foreign.period > 0.0 && foreign.rest >= 0.0;
-        double number = regular ? greater(ceil((first - foreign.start) / foreign.period), 0.0) : INFINITY;
-        /* a product, as the other sensor has it */
-        for (double sent; (sent = foreign.start + number * foreign.period) <= last; number += 1.0) {
-            add_foreign_burst(sensor, &foreign, sent, emission, echoes);
+        if (!(foreign.period > 0.0 && foreign.rest >= 0.0)) {
+            continue;
+        }
+        double number = greater(ceil((first - foreign.start) / foreign.period), 0.0);
+        int most = (int)((last - first) / foreign.period) + 1;
+        for (int k = 0; k <= most; k++) {
+            double sent = foreign.start + (number + k) * foreign.period; /* a product, as the other sensor has it */
+            if (sent >= first && sent <= last) {
+                add_foreign_burst(sensor, &foreign, sent, emission, echoes);
+            }
         }
     }
 }

@@ -22,7 +22,6 @@
 #include "echo.c"
 
 #define DEVICE_SPEED (0.01 / 58e-6) /* m/s of echo width: the sheet's 58 us a centimetre */
-#define SHORTEST_PERIOD 0.001 /* s; the air is not silent sooner, and each ping costs an event */
 
 static Status ultrasonic_sensor_check(const UltrasonicSensor *sensor, Log *log)
 {
@@ -46,7 +45,8 @@ static Status ultrasonic_sensor_check(const UltrasonicSensor *sensor, Log *log)
                       "velocity = %g m/s, sphere_velocity = %g m/s in length; allowed range: below the speed of sound "
                       "(%g m/s)", norm(sensor->velocity), norm(sensor->sphere_velocity), sound);
     }
-    return check_surface(sensor, log);
+    Status status = check_foreign(sensor, sound, log);
+    return status == STATUS_OK ? check_surface(sensor, log) : status;
 }
 
 /* An input belongs to the time at which it took its value; from there it moves with its velocity. */

@@ -308,3 +308,40 @@ def test_hear_names_what_is_wrong():
             scene.hear("left", "body")
         with pytest.raises(ValueError, match="at least two"):
             scene.hear("left", "left")
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("foreign_2_period", 5e-324, r"foreign_2_period = 4\.94\d*e-324 s; allowed range: 0 .* or at least 0\.001 s"),
+        ("foreign_3_velocity", [0.0, 400.0, 0.0], r"foreign_3_velocity = 400 m/s in length; allowed range: below"),
+    ],
+)
+def test_what_no_sensor_can_tell_is_refused(name, value, message):
+    with ulna.Slave("UltrasonicSensor") as sensor:
+        sensor.set(name, value)
+        with pytest.raises(ulna.UnitError, match=message):
+            sensor.initialize(start=0.0)
+
+
+def test_a_sensor_that_began_long_ago_is_heard_in_finite_time():
+    """Where the number of its burst exceeds a double's whole numbers, no burst can be told from the next."""
+    with ulna.Slave("UltrasonicSensor") as sensor:
+        for name, value in {"start": -1e300, "period": 0.05, "axis": [-1.0, 0, 0], "position": [1.0, 0, 0]}.items():
+            sensor.set(f"foreign_1_{name}", value)
+        sensor.initialize(start=0.0)
+        sensor.step(0.0, 0.05)
+        assert sensor.get("sequence") == 1
+
+
+def test_the_length_of_an_axis_does_not_count():
+    widths = []
+    for length in (1.0, 7.0):
+        with ulna.Slave("UltrasonicSensor") as sensor:
+            for name, value in {"period": 0.06, "axis": [-length, 0, 0], "position": [1.0, 0, 0]}.items():
+                sensor.set(f"foreign_1_{name}", value)
+            sensor.initialize(start=0.0)
+            sensor.step(0.0, 0.05)
+            assert sensor.get("valid")
+            widths.append(sensor.get("echo_width"))
+    assert widths[1] == widths[0]
