@@ -35,6 +35,8 @@ void random_values(uint64_t *random, const Variable *variable, double *values)
             value = 0.0; /* of one vertex, the only one there is at the start */
         } else if (variable->type != FLOAT64 && variable->type != FLOAT32) {
             value = floor(value);
+        } else if (fabs(value) < 0.001) {
+            value = 0.0; /* a period is 0 or at least 1 ms */
         }
         values[k] = value;
     }
