@@ -1,7 +1,7 @@
 /* UltrasonicSensor: the echo of each target by its mirror point. */
 enum { MOST_REFINEMENTS = 12 }; /* at rest one or two will do, at half the speed of sound all */
 
-#define CLOSE_AIM 1e-8 /* of the first leg: an error e in the aim costs e^2 / 2 of the time */
+#define CLOSE_AIM 1e-6 /* of the first leg: an error e in the aim costs e^2 of it, 1 pm a metre */
 #define LAST_END 3.5   /* Fresnel's u from which a round end changes an echo by less than .003 */
 
 /* The strip's or capsule's end as seen from a mirror point. */
