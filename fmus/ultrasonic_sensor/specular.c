@@ -66,7 +66,8 @@ static double beams_of(double there, double back)
 
 /* Derivative, along the unit vector `along`, of the logarithm of a piston's amplitude on a way of `length` that meets
  * the surface along `direction`: (ln 2 J1(x) / x)' = -J2 / J1 x'. */
-static double rise_of_beam(Vector direction, Vector axis, double length, double argument, Vector along, double wave_number)
+static double rise_of_beam(Vector direction, Vector axis, double length, double argument, Vector along,
+                           double wave_number)
 {
     double half = 0.5 * wave_number * PISTON_RADIUS, ahead = dot(direction, axis);
     double turn = (dot(along, axis) - ahead * dot(along, direction)) / length;
