@@ -123,16 +123,28 @@ static Phasor beyond(End end, double rise, double near_bend, double far_bend, do
     return phasor_product(phasor_sum(far, -1.0, near), phasor_at(-wave_number * (end.length - length)));
 }
 
+/* Whether an end, the square of its distance from the mirror point given, may change the echo. Quick and on the safe
+ * side: the slope there is at least 2 away / hypot(leg, away); as an end's 1 / u is taken back by what lies beyond,
+ * 1 / u^3 is left, in shares of the mirror bent by `near_bend`. */
+static bool end_counts(double away_square, double leg, double near_bend, double cap_bend, double wave_number)
+{
+    double last = LAST_END * LAST_END * PI * cap_bend * (leg * leg + away_square), u = 4.0 * away_square * wave_number;
+    return u * u * u * cap_bend <= last * last * last * near_bend;
+}
+
 /* A capsule's wall goes over into its caps: near there both make the echo. */
 static void blend(const UltrasonicSensor *sensor, const Transceiver *pair, const Target *target, const Path *mirror,
                   double share, Echo *echo)
 {
     Vector whole = subtract(target->end, target->start);
-    double size = norm(whole), k = sensor->wave_number;
-    double length = mirror->first + mirror->second;
+    double square = dot(whole, whole), k = sensor->wave_number;
     double round = dot(subtract(mirror->reflected, mirror->incident), mirror->normal) / target->radius;
     double leg = greater(mirror->first, mirror->second), wall_bend = 2.0 / lesser(mirror->first, mirror->second);
-    double cap_bend = wall_bend + round;
+    double cap_bend = wall_bend + round, nearest = lesser(share, 1.0 - share);
+    if (!end_counts(nearest * nearest * square, leg, wall_bend, cap_bend, k)) {
+        return;
+    }
+    double size = sqrt(square), length = mirror->first + mirror->second;
     Phasor ends = {0.0, 0.0};
     bool changed = false;
     for (int side = 0; side < 2; side++) {
@@ -141,13 +153,10 @@ static void blend(const UltrasonicSensor *sensor, const Transceiver *pair, const
         if (!on_cap && (share == 0.0 || share == 1.0)) {
             continue; /* the far cap of a capsule whose near one answers */
         }
-        Vector outward = scale(side == 0 ? -1.0 / size : 1.0 / size, whole);
-        /* quick and on the safe side: the slope there is at least 2 away / hypot(leg, away); as an end's 1 / u is taken
-         * back by what lies beyond, 1 / u^3 is left, from the wall in shares of the flatter mirror's */
-        double u = 4.0 * away * away * k / (PI * cap_bend * (leg * leg + away * away)), last = LAST_END * LAST_END;
-        if (u * u * u * cap_bend > last * last * last * (on_cap ? cap_bend : wall_bend)) {
+        if (!end_counts(away * away, leg, on_cap ? cap_bend : wall_bend, cap_bend, k)) {
             continue;
         }
+        Vector outward = scale(side == 0 ? -1.0 / size : 1.0 / size, whole);
         Vector center = side == 0 ? target->start : target->end;
         End end = end_of_wall(sensor, pair, mirror, center, outward, target->radius);
         if (isfinite(end.slope)) {
