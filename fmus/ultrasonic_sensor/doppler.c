@@ -13,6 +13,7 @@
  */
 #define SLIGHT_SHIFT 1e-6 /* radians a ring time: .003 mm/s; below, an echo is at rest */
 #define QUICK_SHIFT 1.0   /* above, the envelope may rise and fall more than once */
+#define CLOSE_PEAK 1e-2   /* ring times: what Taylor leaves of the peak is below 1e-6 */
 
 static Phasor scaled(double factor, Phasor a)
 {
@@ -120,7 +121,8 @@ static Response shifted_response(const UltrasonicSensor *sensor, const Shift *sh
     return response;
 }
 
-/* When a shifted echo is loudest, in ring times: where the square is flat, by Newton's method. */
+/* When a shifted echo is loudest, in ring times: where the square is flat, by Newton's method. How high it then is, by
+ * Taylor from where that ends. */
 static double loudest_time(const UltrasonicSensor *sensor, const Shift *shift, double *height)
 {
     double time = sensor->peak_time, latest = sensor->peak_time + 1.0, best = 0.0;
@@ -129,18 +131,16 @@ static double loudest_time(const UltrasonicSensor *sensor, const Shift *shift, d
         time = inner_product(value, value) > best ? t : time;
         best = greater(best, inner_product(value, value));
     }
-    Response there = shifted_response(sensor, shift, time);
-    for (int i = 0; i < 20; i++) {
+    double square = 0.0, change = 1.0;
+    for (int i = 0; i < 20 && fabs(change) > CLOSE_PEAK; i++) {
+        Response there = shifted_response(sensor, shift, time);
         double slope = inner_product(there.value, there.slope);
         double bend = inner_product(there.slope, there.slope) + inner_product(there.value, there.bend);
-        double change = bend < 0.0 ? -slope / bend : 0.0;
+        change = bend < 0.0 ? -slope / bend : 0.0;
         time = lesser(greater(time + lesser(greater(change, -0.25), 0.25), 0.0), latest);
-        there = shifted_response(sensor, shift, time);
-        if (fabs(change) <= 1e-6) {
-            break; /* of the height, the square of that is left */
-        }
+        square = inner_product(there.value, there.value) + slope * change;
     }
-    *height = sqrt(inner_product(there.value, there.value));
+    *height = sqrt(square);
     return time;
 }
 

@@ -110,30 +110,63 @@ static double change_towards(double height, double d, Envelope burst)
     return slope > 0.0 ? -2.0 * excess * slope / below : 0.0;
 }
 
-/* How long after its arrival the envelope of an echo at rest is `height`, up to its peak. With dispersion the search
- * begins where the onset t^2 / 2 would pass. */
-static double rise_time(const UltrasonicSensor *sensor, double height, Echo echo)
+/* How many ring times after its arrival the envelope of an echo at rest is `height`, up to its peak. With dispersion
+ * the search begins where the onset t^2 / 2 would pass. */
+static double rise_with(const UltrasonicSensor *sensor, double height, double dispersion)
 {
-    double most = most_dispersion(sensor, echo);
-    if (most * most <= SLIGHT_DISPERSION * height) {
-        return sensor->ring_time * plain_rise(sensor, height);
+    double start = height, square = dispersion * dispersion;
+    if (square <= SLIGHT_DISPERSION * height) {
+        return plain_rise(sensor, height);
     }
-    double d = whole_dispersion(sensor, echo), start = height;
     bool early = height < sensor->burst_height;
     if (early) {
-        start = height * height / (sqrt(d * d * d * d + height * height) + d * d);
+        start = height * height / (sqrt(square * square + height * height) + square);
     }
     double since = plain_rise(sensor, start), decay = (1.0 - start) / (1.0 + since);
     Envelope burst = {start, since * decay, (1.0 - since) * decay};
     if (!early) {
         burst = envelope_at(sensor, since);
     }
-    double change = change_towards(height, d, burst);
+    double change = change_towards(height, dispersion, burst);
     since = lesser(since + change, sensor->peak_time);
     /* of `since`, about the cube of the last change is left: 1e-7, 2 nm */
     for (int i = 0; i < 8 && fabs(change) > 5e-3 * since; i++) {
-        change = change_towards(height, d, envelope_at(sensor, since));
+        change = change_towards(height, dispersion, envelope_at(sensor, since));
         since = lesser(since + change, sensor->peak_time);
     }
-    return sensor->ring_time * since;
+    return since;
+}
+
+/* The same in s; most often the beams need not be looked at. */
+static double rise_time(const UltrasonicSensor *sensor, double height, Echo echo)
+{
+    double most = most_dispersion(sensor, echo);
+    bool slight = most * most <= SLIGHT_DISPERSION * height;
+    return sensor->ring_time * (slight ? plain_rise(sensor, height) : rise_with(sensor, height, whole_dispersion(sensor, echo)));
+}
+
+#define SLOW_SHIFT 0.5 /* radians a ring time, times .02 with the dispersion, and */
+#define LOW_ONSET 0.17 /* shares of an endless burst: up to there slow_rise is within 5 ns, 1 um */
+
+static bool is_slow(const Shift *shift)
+{
+    return fabs(shift->turn) <= SLOW_SHIFT && fabs(shift->turn * shift->dispersion) <= 0.02 * SLOW_SHIFT;
+}
+
+/* That of a shifted echo before its burst ends. In the frame of its carrier what begins is, a = 1 + e the pace,
+ *
+ *     u = a t^2 / 2 E(exp(-t X)),  X = a p + (1 + i w) q,  p and q even over p, q >= 0, p + q <= 1
+ *
+ * By the first three cumulants of X, an echo at rest has its height and its slope's share for
+ *
+ *     |u| = a v(t) exp(-e t / 3 + (e - w^2) t^2 / 36 + w^2 t^3 / 540),  Im u' / u = -w (1 / 3 - t / 18 - t^2 / 180)
+ *
+ * and z = (whole u - i d u') exp(i w t), whole = 1 + d2 w. */
+static double slow_rise(const UltrasonicSensor *sensor, const Shift *shift, double height)
+{
+    double d = shift->dispersion, w = shift->turn, e = shift->pace - 1.0, whole = shift->emphasis + d * w;
+    double t = rise_with(sensor, height, d);
+    double grown = t * (-e / 3.0 + t * ((e - w * w) / 36.0 + t * w * w / 540.0));
+    double turned = whole - d * w * (1.0 / 3.0 - t * (1.0 / 18.0 + t / 180.0));
+    return rise_with(sensor, height / (shift->pace * turned * (1.0 + grown * (1.0 + 0.5 * grown))), d / turned);
 }

@@ -282,8 +282,12 @@ static double lone_crossing(const UltrasonicSensor *sensor, Echo *echo)
     if (fabs(shift.turn) > QUICK_SHIFT) {
         return 0.0;
     }
-    double guess = plain_rise(sensor, height * sensor->peak / loudest);
-    return echo->time + sensor->ring_time * shifted_rise(sensor, &shift, height, guess, latest);
+    bool slow = is_slow(&shift) && height < lesser(LOW_ONSET, sensor->burst_height);
+    double since = slow ? slow_rise(sensor, &shift, height) : plain_rise(sensor, height * sensor->peak / loudest);
+    if (!slow || since * shift.pace > sensor->burst_length) {
+        since = shifted_rise(sensor, &shift, height, since, latest);
+    }
+    return echo->time + sensor->ring_time * since;
 }
 
 /* Most often the first echo passes the threshold after the comparator has opened and before the second
