@@ -11,6 +11,7 @@ from ultrasonic_sensor_read import default_device, ping
 from ultrasonic_sensor_truth import Mesh, capsule_mesh, capsule_surface, kirchhoff, plate_mesh, rigid_sphere
 
 from ulna import Slave, UnitError
+from ulna.charts.skin_kernel import levels
 from ulna.checks.hunt import compile_sources
 from ulna.generate.package import write_fmu
 from ulna.paths import fmu
@@ -145,14 +146,14 @@ def test_unused_rows_and_a_mesh_that_faces_away_are_nothing():
 # Why long edges are cut
 
 
-def rebuilt(folder: Path, old: str, new: str) -> Path:
-    """An FMU of the sensor with one text of surface.c replaced, compiled without optimization."""
+def rebuilt(folder: Path, old: str, new: str, optimization: str = "-O0") -> Path:
+    """An FMU of the sensor with one text of surface.c replaced."""
     shutil.unpack_archive(fmu("UltrasonicSensor"), folder / "all", "zip")
     source = folder / "all" / "sources" / "surface.c"
     text = source.read_text()
     assert text.count(old) == 1
     source.write_text(text.replace(old, new))
-    compile_sources("UltrasonicSensor", "3.0", folder / "all")
+    compile_sources("UltrasonicSensor", "3.0", folder / "all", optimization)
     path = folder / "UltrasonicSensor.fmu"
     files = {p.relative_to(folder / "all").as_posix(): p for p in (folder / "all").rglob("*") if p.is_file()}
     write_fmu(path, {name: p.read_bytes() for name, p in files.items()})
@@ -189,10 +190,13 @@ def test_without_cuts_a_coarse_mesh_gives_false_echoes(uncut):
     assert false > silent / 2
 
 
-def test_one_piece_at_a_time_gives_the_same_bits(tmp_path):
-    plain = rebuilt(tmp_path, "#if defined(__x86_64__) && defined(__GNUC__) && !defined(ULNA_PLAIN)", "#if 0")
-    for mesh in (ARM, capsule_mesh(START, END, FOREARM, 1.5 * WAVELENGTH)):
-        assert heard_by(plain, mesh) == heard_by("UltrasonicSensor", mesh)
+def test_instruction_sets_give_the_same_bits(tmp_path):
+    """All that this processor has: the FMU itself takes the widest."""
+    meshes = (ARM, capsule_mesh(START, END, FOREARM, 1.5 * WAVELENGTH))
+    expected = [heard_by("UltrasonicSensor", mesh) for mesh in meshes]
+    for level, name in enumerate(levels()[:-1]):
+        narrow = rebuilt(tmp_path / name, "find_onsets[pass->instruction_set]", f"find_onsets[{level}]", "-O3")
+        assert [heard_by(narrow, mesh) for mesh in meshes] == expected, name
 
 
 # What is refused
