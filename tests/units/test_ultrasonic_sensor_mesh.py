@@ -8,7 +8,7 @@ import pytest
 from test_ultrasonic_sensor_echo import BLIND, PITCHED, forearm
 from test_ultrasonic_sensor_surface import FINE, FOREARM, WAVELENGTH, facing, heard
 from ultrasonic_sensor_read import default_device, ping
-from ultrasonic_sensor_truth import Mesh, capsule_mesh, capsule_surface, kirchhoff, plate_mesh, rigid_sphere
+from ultrasonic_sensor_truth import Mesh, capsule_mesh, capsule_surface, joined, kirchhoff, plate_mesh, rigid_sphere
 
 from ulna import Slave, UnitError
 from ulna.charts.skin_kernel import levels
@@ -21,17 +21,6 @@ ARM = capsule_mesh(START, END, FOREARM, FINE * WAVELENGTH)
 CAPSULE = {"capsule_1_start": START, "capsule_1_end": END, "capsule_1_radius": FOREARM}
 WALL = {"plane_point": [1.0, 0.0, 0.0], "plane_normal": [-1.0, 0.0, 0.0]}
 SURFACE = {"fidelity": "surface"} | ARM.inputs()
-
-
-def joined(*meshes: Mesh) -> Mesh:
-    """Several as one."""
-    first = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
-    triangles = [mesh.triangles + start for mesh, start in zip(meshes, first, strict=False)]
-    return Mesh(
-        np.concatenate([mesh.vertices for mesh in meshes]),
-        np.concatenate([mesh.normals for mesh in meshes]),
-        np.concatenate(triangles),
-    )
 
 
 # What is summed
