@@ -65,9 +65,9 @@ static double square_between(double share, double span, Sample before, Sample af
 }
 
 /* What the air leaves on the way to the end of a bin; within the bin, the pieces see to it. */
-static double left_by_air(const UltrasonicSensor *sensor, double time)
+static double left_until(const UltrasonicSensor *sensor, double time)
 {
-    return exp(-sensor->absorption / DECIBEL_PER_NEPER * sensor->speed_of_sound * sensor->ring_time * time);
+    return left_by_air(sensor->speed_of_sound * sensor->ring_time * time, sensor->absorption);
 }
 
 /* Onsets of bin k, none where there are none. */
@@ -85,7 +85,7 @@ static void add_onsets_of(const UltrasonicSensor *sensor, const Bins *bins, int 
         return;
     }
     const double turn = 2.0 * PI * sensor->frequency * sensor->ring_time, middle = -0.5 * bins->span;
-    double factor = sign * left_by_air(sensor, (double)(k + 1) * bins->span);
+    double factor = sign * left_until(sensor, (double)(k + 1) * bins->span);
     const Bin *bin = onsets_of(bins, k);
     Phasor bent = phasor_sum(onsets_of(bins, k - 1)->bent, 1.0, onsets_of(bins, k + 1)->bent);
     bent = scaled(-1.0 / (turn * bins->span * turn * bins->span), phasor_sum(bent, -2.0, bin->bent));
@@ -164,11 +164,11 @@ static Echo echo_of_mesh(const UltrasonicSensor *sensor, const Bins *bins, Liste
     double most = sqrt(square_of(listening->loudest)), in_phase = inner_product(value, listening->loudest) / most;
     double arrival = ((double)listening->loudest_bin + 1.0) * bins->span - sensor->peak_time;
     if (listening->loudest_bin >= now) {
-        double margin = log(most / (in_phase > 0.0 ? in_phase : sqrt(square_of(value))));
-        arrival = (crossing - rise_time(sensor, margin, silence)) / sensor->ring_time;
+        double height = sensor->peak * (in_phase > 0.0 ? in_phase : sqrt(square_of(value))) / most;
+        arrival = (crossing - rise_time(sensor, lesser(height, sensor->peak), silence)) / sensor->ring_time;
     }
-    double level = sensor->threshold + DECIBEL_PER_NEPER * log(most / sensor->peak);
-    return (Echo){.time = sensor->ring_time * greater(arrival, 0.0), .level = level};
+    double amplitude = sensor->threshold_amplitude * most / sensor->peak;
+    return (Echo){.time = sensor->ring_time * greater(arrival, 0.0), .amplitude = amplitude};
 }
 
 /* The mesh or the echo that weighs most at the crossing. */

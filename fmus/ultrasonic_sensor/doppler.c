@@ -38,7 +38,7 @@ typedef struct Shift {
 
 static double dispersion_of(const UltrasonicSensor *sensor, double beam)
 {
-    return -beam / (2.0 * PI * sensor->frequency * sensor->ring_time);
+    return -(1.0 / (2.0 * PI * sensor->frequency * sensor->ring_time)) * beam;
 }
 
 static double turn_of(const UltrasonicSensor *sensor, Echo echo)

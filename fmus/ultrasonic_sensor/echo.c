@@ -29,7 +29,7 @@ static void keep_left(UltrasonicSensor *sensor, const Echoes *echoes, double emi
     for (int i = 0; i < echoes->count && sensor->left_count < MOST_LATE; i++) {
         if (echoes->echo[i].time > end && !echoes->echo[i].foreign) {
             Echo echo = echoes->echo[i];
-            const double numbers[LATE_NUMBERS] = {emission + echo.time, echo.level, echo.phase,
+            const double numbers[LATE_NUMBERS] = {emission + echo.time, echo.amplitude, echo.phase,
                                                   echo.there,           echo.back,  echo.doppler};
             memcpy(&sensor->left[LATE_NUMBERS * sensor->left_count++], numbers, sizeof numbers);
         }
@@ -54,7 +54,7 @@ static void add_coupling(const UltrasonicSensor *sensor, const Transceiver *pair
     if (sensor->coupling > NO_ECHO_LEVEL) {
         Vector offset = subtract(pair->receiver, pair->transmitter);
         double time = arrival_time(offset, pair->velocity, sensor->speed_of_sound);
-        add_echo(echoes, (Echo){.time = time, .level = sensor->coupling});
+        add_echo(echoes, (Echo){.time = time, .amplitude = exp(sensor->coupling / DECIBEL_PER_NEPER)});
     }
 }
 
@@ -133,7 +133,8 @@ static Detection hear_echoes(UltrasonicSensor *sensor, const Surroundings *aroun
 
 static Detection first_echo(UltrasonicSensor *sensor, double emission)
 {
-    Surroundings around = surroundings_at(sensor, emission);
+    Surroundings around;
+    look_around(sensor, emission, &around);
     bool rays = sensor->fidelity < ULTRASONIC_SENSOR_FIDELITY_SPECULAR;
     return rays ? hear_ray(sensor, &around) : hear_echoes(sensor, &around, emission);
 }

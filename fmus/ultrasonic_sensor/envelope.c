@@ -61,27 +61,32 @@ static Envelope envelope_at(const UltrasonicSensor *sensor, double since)
     return burst;
 }
 
-/* Without dispersion and before the burst has ended, where the envelope is `height`: (1 + t) exp(-t) = 1 - s^2 / 2
- * by its series in s, 2e-3 off at s = .7; from there on by Temme's. */
+/* Without dispersion and before the burst has ended, where the envelope is `height`: up to .245 from the polynomial
+ * t / s in s, (1 + t) exp(-t) = 1 - s^2 / 2, that interpolates Lambert's function in Chebyshev's points, 1e-10 off;
+ * from there on by Temme's series. */
 static double early_rise(double height)
 {
     if (height > 0.245) {
         return excess_of(sqrt(-2.0 * log1p(-height)));
     }
-    static const double series[] = {0.33333333333333333, 0.15277777777777778, 0.07962962962962963,
-                                    0.044502314814814815, 0.025984714873603762, 0.015635632532333921, 0.0096168920242994317};
-    double s = sqrt(2.0 * height), sum = 0.0;
-    for (int i = 6; i >= 0; i--) {
-        sum = (sum + series[i]) * s;
+    static const double series[] = {
+        0.99999999994687551, 0.333333355154845805, 0.152776303974115651, 0.0796683364188596378,
+        0.0439813784537542945, 0.0300807996811522813, -0.00452409235302136487, 0.0737987699513998108,
+        -0.126782604428193806, 0.177628274898108798, -0.130291813834139435, 0.0484703513220339246,
+    };
+    double s = sqrt(2.0 * height), square = s * s, fourth = square * square;
+    double chain[4];
+    for (int i = 0; i < 4; i++) {
+        chain[i] = series[i] + fourth * (series[i + 4] + fourth * series[i + 8]);
     }
-    return s + sum * s;
+    return s * ((chain[0] + s * chain[1]) + square * (chain[2] + s * chain[3]));
 }
 
-/* Without dispersion, `margin` nepers below the peak: later v exp(1 - v) = height / peak with
- * v = t - peak_time + 1. */
-static double plain_rise(const UltrasonicSensor *sensor, double height, double margin)
+/* Without dispersion; once the burst has ended v exp(1 - v) = height / peak with v = t - peak_time + 1. */
+static double plain_rise(const UltrasonicSensor *sensor, double height)
 {
-    return margin > sensor->burst_margin ? early_rise(height) : sensor->peak_time + excess_of(-sqrt(2.0 * margin));
+    return height < sensor->burst_height ? early_rise(height)
+                                         : sensor->peak_time + excess_of(-sqrt(2.0 * log(sensor->peak / height)));
 }
 
 /* No more than that of the beams, from their arguments: x J2 / J1 < x^2 / 2 up to x = 2. */
@@ -93,27 +98,42 @@ static double most_dispersion(const UltrasonicSensor *sensor, Echo echo)
 
 #define SLIGHT_DISPERSION 1e-4 /* d^2 over the height: below, it moves the crossing by less than 3 ns */
 
-/* How long after its arrival an echo at rest that is `margin` nepers above the threshold passes it: Newton's method
- * on value^2 + d^2 slope^2. With dispersion it begins where the onset t^2 / 2 would pass. */
-static double rise_time(const UltrasonicSensor *sensor, double margin, Echo echo)
+/* One step of Halley's method from `since`, where the envelope is `burst`, to where value^2 + d^2 slope^2 is that of
+ * `height`; no longer than twice Newton's. */
+static double change_towards(double height, double d, Envelope burst)
 {
-    double height = sensor->peak * exp(-margin), start = height, most = most_dispersion(sensor, echo), d = 0.0;
-    bool early = margin > sensor->burst_margin, dispersed = most * most > SLIGHT_DISPERSION * height;
-    if (dispersed) {
-        d = whole_dispersion(sensor, echo);
-        start = early ? height * height / (sqrt(d * d * d * d + height * height) + d * d) : height;
+    double whole = burst.value + d * d * burst.bend, twist = -2.0 * burst.bend - burst.slope;
+    double excess = burst.value * burst.value + d * d * burst.slope * burst.slope - height * height;
+    double slope = 2.0 * burst.slope * whole;
+    double bend = 2.0 * (burst.bend * whole + burst.slope * (burst.slope + d * d * twist));
+    double below = greater(2.0 * slope * slope - excess * bend, slope * slope);
+    return slope > 0.0 ? -2.0 * excess * slope / below : 0.0;
+}
+
+/* How long after its arrival the envelope of an echo at rest is `height`, up to its peak. With dispersion the search
+ * begins where the onset t^2 / 2 would pass. */
+static double rise_time(const UltrasonicSensor *sensor, double height, Echo echo)
+{
+    double most = most_dispersion(sensor, echo);
+    if (most * most <= SLIGHT_DISPERSION * height) {
+        return sensor->ring_time * plain_rise(sensor, height);
     }
-    double since = plain_rise(sensor, start, margin);
-    for (int i = 0; i < 8 && (early || dispersed); i++) {
-        Envelope burst = envelope_at(sensor, since);
-        double excess = burst.value * burst.value + d * d * burst.slope * burst.slope - height * height;
-        double slope = 2.0 * burst.slope * (burst.value + d * d * burst.bend);
-        double change = slope > 0.0 ? excess / slope : 0.0;
-        since = lesser(since - change, sensor->peak_time);
-        /* of `since`, about the square of that is left: 1e-7, 2 nm */
-        if (fabs(change) <= 3e-4 * since) {
-            break;
-        }
+    double d = whole_dispersion(sensor, echo), start = height;
+    bool early = height < sensor->burst_height;
+    if (early) {
+        start = height * height / (sqrt(d * d * d * d + height * height) + d * d);
+    }
+    double since = plain_rise(sensor, start), decay = (1.0 - start) / (1.0 + since);
+    Envelope burst = {start, since * decay, (1.0 - since) * decay};
+    if (!early) {
+        burst = envelope_at(sensor, since);
+    }
+    double change = change_towards(height, d, burst);
+    since = lesser(since + change, sensor->peak_time);
+    /* of `since`, about the cube of the last change is left: 1e-7, 2 nm */
+    for (int i = 0; i < 8 && fabs(change) > 5e-3 * since; i++) {
+        change = change_towards(height, d, envelope_at(sensor, since));
+        since = lesser(since + change, sensor->peak_time);
     }
     return sensor->ring_time * since;
 }

@@ -86,11 +86,10 @@ static inline real burst_peak(real length)
     return (exp(length) - 1.0) * exp(-burst_peak_time(length));
 }
 
-/* How far below that the envelope is when the burst ends, in nepers. */
-static inline real burst_margin(real length)
+/* How high it is when the burst ends. */
+static inline real burst_height(real length)
 {
-    real before = length + 1.0 - burst_peak_time(length);
-    return before - 1.0 - log(before);
+    return 1.0 - (1.0 + length) * exp(-length);
 }
 
 /* Where a burst of this sensor comes from. */
@@ -113,12 +112,13 @@ static inline void ultrasonic_sensor_initialize(UltrasonicSensor *sensor)
     real sound = speed_of_sound_in_air(sensor->temperature, sensor->humidity, sensor->pressure);
     sensor->speed_of_sound = sound;
     sensor->absorption = absorption_of_air(sensor->temperature, sensor->humidity, sensor->pressure, sensor->frequency);
+    sensor->threshold_amplitude = exp(sensor->threshold / DECIBEL_PER_NEPER);
     sensor->wave_number = 2.0 * PI * sensor->frequency / sound;
     sensor->ring_time = ring_time_of(sensor->bandwidth);
     sensor->burst_length = sensor->burst_periods / (sensor->frequency * sensor->ring_time);
     sensor->peak_time = burst_peak_time(sensor->burst_length);
     sensor->peak = burst_peak(sensor->burst_length);
-    sensor->burst_margin = burst_margin(sensor->burst_length);
+    sensor->burst_height = burst_height(sensor->burst_length);
     sensor->nearest_time = time_of_distance(sensor->minimum_range, sound, sensor->baseline);
     sensor->farthest_time = time_of_distance(sensor->maximum_range, sound, sensor->baseline);
     /* the last echo that counts is at its loudest within a burst and a peak time */

@@ -53,10 +53,11 @@ static Status check_foreign(const UltrasonicSensor *sensor, double sound, Log *l
 /* Whether another sensor has told of any burst. */
 static bool foreign_told(const UltrasonicSensor *sensor)
 {
-    return sensor->foreign_1_period > 0.0 || sensor->foreign_2_period > 0.0 || sensor->foreign_3_period > 0.0
-        || sensor->foreign_1_times[0] > NO_BURST || sensor->foreign_2_times[0] > NO_BURST
-        || sensor->foreign_3_times[0] > NO_BURST || sensor->foreign_1_times[1] > NO_BURST
-        || sensor->foreign_2_times[1] > NO_BURST || sensor->foreign_3_times[1] > NO_BURST;
+    double period = greater(greater(sensor->foreign_1_period, sensor->foreign_2_period), sensor->foreign_3_period);
+    double latest = greater(sensor->foreign_1_times[0], sensor->foreign_1_times[1]);
+    latest = greater(latest, greater(sensor->foreign_2_times[0], sensor->foreign_2_times[1]));
+    latest = greater(latest, greater(sensor->foreign_3_times[0], sensor->foreign_3_times[1]));
+    return period > 0.0 || latest > NO_BURST;
 }
 
 /* Whether the others tell of other bursts than when the ping in flight was computed. */
@@ -87,39 +88,43 @@ static void see_foreign(UltrasonicSensor *sensor)
     }
 }
 
-/* Straight from the transmitter to the receiver. */
-static Echo direct_burst(const UltrasonicSensor *sensor, const Surroundings *around)
+/* Straight from the transmitter to the receiver; false where it is not heard. */
+static bool hear_directly(const UltrasonicSensor *sensor, const Surroundings *around, Echo *echo)
 {
     const Transceiver *pair = &around->pair;
     double speed = sensor->speed_of_sound, k = sensor->wave_number;
     Vector offset = subtract(pair->receiver, pair->transmitter);
     double time = arrival_time(offset, pair->velocity, speed), way = speed * time;
     if (!(way > 0.0)) {
-        return silence;
+        return false;
     }
     Vector leg = scale(1.0 / way, add_scaled(offset, time, pair->velocity));
     bool facing = dot(leg, pair->axis) > 0.0 && dot(leg, pair->receiver_axis) < 0.0;
     if (!facing) {
-        return silence;
+        return false;
     }
     double there = beam_argument(leg, pair->axis, k), back = beam_argument(leg, pair->receiver_axis, k);
-    double beam = fabs(piston_directivity(there) * piston_directivity(back));
+    double beam = piston_directivity(there) * piston_directivity(back);
     Path path = {.incident = leg, .reflected = leg};
-    Echo echo = {.time = time,
-                 .level = facing_level(way, sensor->absorption) + DECIBEL_PER_NEPER * log(beam),
-                 .there = there,
-                 .back = back,
-                 .doppler = doppler_of(pair, path, at_rest, speed)};
+    *echo = (Echo){.time = time,
+                   .amplitude = facing_amplitude(way, sensor->absorption) * fabs(beam),
+                   .phase = beam < 0.0 ? PI : 0.0,
+                   .there = there,
+                   .back = back,
+                   .doppler = doppler_of(pair, path, at_rest, speed)};
     Leg open = {pair->transmitter, leg, way, 0.0, 0.0, 1.0 / speed};
     Phasor left = passed_by_all(around, &open, PLANE, k);
-    return left.re == 1.0 && left.im == 0.0 ? echo : weighted(echo, left);
+    if (left.re != 1.0 || left.im != 0.0) {
+        weigh(echo, left);
+    }
+    return true;
 }
 
 /* How long after its arrival an echo may still ring above the threshold, in s: t - ln(1 + t) passes its margin,
  * and 5 nepers more, before m + sqrt(2 m). */
 static double ringing(const UltrasonicSensor *sensor, Echo echo)
 {
-    double margin = greater((echo.level - sensor->threshold) / DECIBEL_PER_NEPER, 0.0) + 5.0;
+    double margin = log(greater(echo.amplitude / sensor->threshold_amplitude, 1.0)) + 5.0;
     return sensor->ring_time * (sensor->burst_length + margin + sqrt(2.0 * margin));
 }
 
@@ -131,7 +136,8 @@ static void add_foreign_burst(const UltrasonicSensor *sensor, const Foreign *for
     if (!(length > 0.0)) {
         return; /* it looks nowhere */
     }
-    Surroundings around = surroundings_at(sensor, sent);
+    Surroundings around;
+    look_around(sensor, sent, &around);
     around.pair.transmitter = add_scaled(foreign->position, sent - foreign->position_time, foreign->velocity);
     around.pair.axis = scale(1.0 / length, foreign->axis);
     around.pair.transmitter_velocity = foreign->velocity;
@@ -141,11 +147,11 @@ static void add_foreign_burst(const UltrasonicSensor *sensor, const Foreign *for
     }
     Echoes heard;
     heard.count = 0;
-    add_echo(&heard, direct_burst(sensor, &around));
+    keep_next(&heard, hear_directly(sensor, &around, next_echo(&heard)));
     if (around.plane) {
-        add_echo(&heard, specular_plane(sensor, &around, &around.pair));
+        keep_next(&heard, hear_plane(sensor, &around, &around.pair, next_echo(&heard)));
     }
-    add_echoes_of_targets(sensor, &around, &around.pair, 0.0, &heard);
+    add_echoes_of_targets(sensor, &around, &around.pair, 1.0, &heard);
     for (int i = 0; i < heard.count; i++) {
         Echo echo = heard.echo[i];
         echo.time += sent - emission;

@@ -205,7 +205,7 @@ static void hear_mesh(const Pass *pass, const Mesh *mesh)
 /* Heard by the sensor's own ears, and with `multipath` by those that have one of them mirrored at the ground. */
 static void hear_surface(const UltrasonicSensor *sensor, const Surroundings *around, const Mesh *mesh, Bins *bins)
 {
-    double over = exp(-sensor->threshold / DECIBEL_PER_NEPER) * sensor->capsule_reflection;
+    double over = sensor->capsule_reflection / sensor->threshold_amplitude;
     double farthest = sensor->speed_of_sound * sensor->farthest_time;
     Pass pass = {
         .instruction_set = widest_instruction_set(),

@@ -2,7 +2,7 @@
  *
  *   time      c t = |S - T| + |R - S|        T transmitter, S mirror point, R receiver, each where
  *                                            it is when the sound is there
- *   level     spreading, two-way piston directivity, reflection, absorption
+ *   amplitude spreading, two-way piston directivity, reflection, absorption
  */
 #ifndef ULTRASONIC_SENSOR_PATHS_H
 #define ULTRASONIC_SENSOR_PATHS_H
@@ -53,7 +53,7 @@ static inline real arrival_time(Vector offset, Vector velocity, real speed)
 {
     real approach = dot(offset, velocity);
     real margin = speed * speed - dot(velocity, velocity);
-    return (approach + sqrt(approach * approach + margin * dot(offset, offset))) / margin;
+    return (1.0 / margin) * (approach + sqrt(approach * approach + margin * dot(offset, offset)));
 }
 
 /* The mirror path by a plane at rest: straight from the image of the transmitter. `normal` is a
@@ -65,15 +65,16 @@ static inline Path plane_path(const Transceiver *pair, Vector plane_point, Vecto
     Vector offset = subtract(pair->receiver, image);
     Path path;
     path.time = arrival_time(offset, pair->velocity, speed);
-    path.reflected = scale(1.0 / (speed * path.time), add_scaled(offset, path.time, pair->velocity));
-    real cosine = dot(path.reflected, normal);
-    path.incident = add_scaled(path.reflected, -2.0 * cosine, normal);
+    Vector way = add_scaled(offset, path.time, pair->velocity);
+    real climb = dot(way, normal), length = speed * path.time;
+    path.share = height / climb;
+    path.reflected = scale(1.0 / length, way);
+    path.incident = add_scaled(path.reflected, -2.0 * climb / length, normal);
     path.normal = normal;
-    path.first = height / cosine;
-    path.second = speed * path.time - path.first;
+    path.first = path.share * length;
+    path.second = length - path.first;
     path.point = add_scaled(pair->transmitter, path.first, path.incident);
-    path.share = path.first / (path.first + path.second);
-    path.bounce_time = path.first / speed;
+    path.bounce_time = path.share * path.time;
     return path;
 }
 
@@ -147,12 +148,6 @@ static inline real doppler_of(const Transceiver *pair, Path path, Vector velocit
     return (met - sent) / sent;
 }
 
-static inline Curvature plane_curvature(void)
-{
-    Curvature flat = {0.0, 0.0, 0.0};
-    return flat;
-}
-
 static inline Curvature sphere_curvature(Path path, real radius)
 {
     real cosine = dot(path.reflected, path.normal);
@@ -169,32 +164,37 @@ static inline Curvature cylinder_curvature(Path path, Vector axis, real radius)
     return round;
 }
 
-/* The square of the amplitude that geometrical acoustics leaves, relative to a plane facing the
- * sensor at 1 m: 4 / det((r1 + r2) 1 + r1 r2 M), M the curvature that the mirror adds to the
- * wavefront; Deschamps, Proc. IEEE 60 (1972) 1022. */
-static inline real spreading_power(Path path, Curvature mirror)
+/* The square of the way that would spread the sound as much by a plane: det((r1 + r2) 1 + r1 r2 M), M the
+ * curvature that the mirror adds to the wavefront; Deschamps, Proc. IEEE 60 (1972) 1022. */
+static inline real spreading_square(Path path, Curvature mirror)
 {
     real cosine = dot(path.reflected, path.normal);
     real whole = path.first + path.second;
     real product = path.first * path.second;
     real trace = 2.0 * (mirror.trace * cosine + mirror.along / cosine);
-    return 4.0 / (whole * whole + whole * product * trace + 4.0 * product * product * mirror.determinant);
+    return whole * whole + whole * product * trace + 4.0 * product * product * mirror.determinant;
 }
 
-/* 2 J1(x) / x, amplitude of a piston in a baffle, from (x/2)^2 by its power series, terms of even and
- * of odd order apart. 22 terms leave less than 1e-13 for x up to 8; the largest x, at 60 kHz, -20 C and
- * 90 degrees, is 7.8. */
+/* By what four terms of the piston's series multiply, from the one in (x/2)^2k on. */
+static inline double four_terms(int k)
+{
+    const double a = k + 1.0, b = k + 2.0, c = k + 3.0, d = k + 4.0;
+    return 1.0 / (a * b * b * c * c * d * d * (d + 1.0));
+}
+
+/* 2 J1(x) / x, amplitude of a piston in a baffle, from (x/2)^2 by its power series, in four chains that a processor
+ * follows side by side. 20 terms leave less than 1e-14 for x up to 8; the largest x, at 60 kHz, -20 C and 90
+ * degrees, is 7.8. */
 static inline real piston_directivity(real half_argument_squared)
 {
-    const real h = half_argument_squared;
-    real even = 1.0, odd = 1.0;
-    for (int k = 11; k > 0; k--) {
-        even = 1.0 + h * (1.0 / ((2.0 * k - 1.0) * (2.0 * k))) * (h * (1.0 / ((2.0 * k) * (2.0 * k + 1.0)))) * even;
+    const real h = half_argument_squared, square = h * h, fourth = square * square;
+    real chain[4] = {1.0, 1.0, 1.0, 1.0};
+    for (int k = 12; k >= 0; k -= 4) {
+        for (int i = 0; i < 4; i++) {
+            chain[i] = 1.0 + fourth * four_terms(k + i) * chain[i];
+        }
     }
-    for (int k = 10; k > 0; k--) {
-        odd = 1.0 + h * (1.0 / ((2.0 * k) * (2.0 * k + 1.0))) * (h * (1.0 / ((2.0 * k + 1.0) * (2.0 * k + 2.0)))) * odd;
-    }
-    return even - 0.5 * h * odd;
+    return chain[0] - (1.0 / 2.0) * h * chain[1] + square * ((1.0 / 12.0) * chain[2] - (1.0 / 144.0) * h * chain[3]);
 }
 
 /* (x / 2)^2 of the piston for a way along `direction`. */
@@ -220,22 +220,28 @@ static inline real piston_dispersion(real half_argument_squared)
     return square * below / above;
 }
 
-/* Decibels relative to a plane that faces the sensor at 1 m in air without loss; `reflection` is the
- * share of the amplitude that the target gives back. */
-static inline real path_level(const Transceiver *pair, Path path, Curvature mirror, real reflection, real wave_number,
-                              real absorption)
+/* What a way through the air leaves of an amplitude; `absorption` in dB/m. */
+static inline real left_by_air(real length, real absorption)
+{
+    return exp((-1.0 / DECIBEL_PER_NEPER) * absorption * length);
+}
+
+/* Relative to a plane that faces the sensor at 1 m in air without loss, below 0 where the beams turn the phase
+ * over. `spread` is the way that would spread the sound as much by a plane, `reflection` the share of the amplitude
+ * that the target gives back. */
+static inline real path_amplitude(const Transceiver *pair, Path path, real spread, real reflection, real wave_number,
+                                  real absorption)
 {
     real there = piston_directivity(beam_argument(path.incident, pair->axis, wave_number));
     real back = piston_directivity(beam_argument(path.reflected, pair->receiver_axis, wave_number));
-    real beam = there * back * reflection;
-    real power = beam * beam * spreading_power(path, mirror);
-    return 0.5 * DECIBEL_PER_NEPER * log(power) - absorption * (path.first + path.second);
+    real air = left_by_air(path.first + path.second, absorption);
+    return there * back * reflection * air * (2.0 / spread);
 }
 
-/* The level of a plane that faces the sensor, without the beam. */
-static inline real facing_level(real length, real absorption)
+/* That of a plane that faces the sensor, without the beam. */
+static inline real facing_amplitude(real length, real absorption)
 {
-    return DECIBEL_PER_NEPER * log(2.0 / length) - absorption * length;
+    return 2.0 / length * left_by_air(length, absorption);
 }
 
 #endif

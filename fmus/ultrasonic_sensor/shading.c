@@ -101,12 +101,11 @@ static Phasor passed(Screen screen, double reach, double focus, double wave_numb
     return (Phasor){1.0 - weight * hidden.re, -weight * hidden.im};
 }
 
-/* The echo with its phasor times `factor`. */
-static Echo weighted(Echo echo, Phasor factor)
+/* Its phasor times `factor`. */
+static void weigh(Echo *echo, Phasor factor)
 {
-    echo.level += 0.5 * DECIBEL_PER_NEPER * log(factor.re * factor.re + factor.im * factor.im);
-    echo.phase += atan2(factor.im, factor.re);
-    return echo;
+    echo->amplitude *= sqrt(factor.re * factor.re + factor.im * factor.im);
+    echo->phase += atan2(factor.im, factor.re);
 }
 
 static Vector mirrored(const Surroundings *around, Vector point)
@@ -153,32 +152,28 @@ static Vector middle_of(const Leg *leg, const Target *target, double *along)
     return add_scaled(offset, leg->begin + leg->pace * *along, target->velocity);
 }
 
-/* Whether `passed` would leave all of the sound beside a body: its screen is FAR_LIT off the leg on one of its two
- * widths. That is farthest half way to the focus. */
-static bool clear_of(const Leg *leg, const Target *target, double wave_number)
+/* Whether `passed` would leave all of the sound beside a body, on any way within `slack` of the leg: its screen is
+ * FAR_LIT off the leg on one of its two widths. That is farthest half way to the focus. */
+static bool clear_of(const Leg *leg, const Target *target, double slack, double wave_number)
 {
     double along;
     Vector offset = middle_of(leg, target, &along), whole = subtract(target->end, target->start);
     along = dot(offset, leg->direction);
-    double slant = dot(whole, leg->direction), depth = 0.5 * fabs(slant) + target->radius;
+    double slant = dot(whole, leg->direction), depth = 0.5 * fabs(slant) + target->radius + slack;
     if (along > leg->reach + depth || along < -depth) {
         return true;
     }
     double span = leg->reach + leg->focus;
     double widest = lesser(greater(0.5 * span, along - depth), along + depth);
-    double zone = FAR_LIT * sqrt(greater(widest * (span - widest) / span, 0.0) * (PI / wave_number));
-    double near = target->radius + zone, flat = sqrt(dot(whole, whole) - slant * slant);
-    if (!(flat > 0.0)) {
+    double zone = slack + FAR_LIT * sqrt(greater(widest * (span - widest), 0.0) * (PI / (wave_number * span)));
+    double near = target->radius + zone, flat_square = dot(whole, whole) - slant * slant;
+    if (!(flat_square > 0.0)) {
         return dot(offset, offset) - along * along > near * near;
     }
-    double across = dot(offset, cross(leg->direction, whole)), lengthways = dot(offset, whole) - along * slant;
-    return fabs(across) > near * flat || fabs(lengthways) > (0.5 * flat + 0.25 * PI * target->radius + zone) * flat;
-}
-
-/* The ball about the box. */
-static Target ball_of_box(const Box *box)
-{
-    return (Target){.start = box->center, .end = box->center, .radius = box->extent};
+    double across = dot(offset, cross(leg->direction, whole));
+    double beyond = fabs(dot(offset, whole) - along * slant) - 0.5 * flat_square;
+    double end = 0.25 * PI * target->radius + zone;
+    return across * across > near * near * flat_square || (beyond > 0.0 && beyond * beyond > end * end * flat_square);
 }
 
 /* From the image of an ear a leg begins behind the plane, among the images of the bodies. */
@@ -187,27 +182,27 @@ static bool from_image(const Surroundings *around, const Leg *leg)
     return around->plane && dot(subtract(leg->from, around->plane_point), around->plane_normal) < 0.0;
 }
 
-/* Whether no body but `own` is near a leg, and none at its end. */
-static bool clear_of_all(const Surroundings *around, const Leg *leg, int own, double wave_number)
+/* Both legs at a time, as the two ends and motions lie apart, or one by one. */
+static bool clear_of_both(const Leg *there, const Leg *back, const Target *target, double wave_number)
 {
-    bool image = from_image(around, leg);
-    for (int i = 0; i <= around->targets; i++) {
-        bool box = i == around->targets;
-        if (box && !around->box_present) {
-            continue;
-        }
-        Target target = box ? ball_of_box(&around->box) : around->target[i];
-        if ((box ? BOX : i) != own && !clear_of(leg, &target, wave_number)) {
+    double slack = most_of(subtract(back->from, there->from)) + back->begin * most_of(target->velocity);
+    return clear_of(there, target, slack, wave_number)
+        || (clear_of(there, target, 0.0, wave_number) && clear_of(back, target, 0.0, wave_number));
+}
+
+/* Whether no body but `own` is near a path. */
+static bool clear_of_all(const Surroundings *around, const Leg *there, const Leg *back, int own, double wave_number)
+{
+    if (from_image(around, there) || from_image(around, back)) {
+        return false;
+    }
+    for (int i = 0; i < around->targets; i++) {
+        if (i != own && !clear_of_both(there, back, &around->target[i], wave_number)) {
             return false;
         }
-        if (image) {
-            target = mirrored_target(around, &target);
-            if (!clear_of(leg, &target, wave_number)) {
-                return false;
-            }
-        }
     }
-    return true;
+    const Target ball = {.start = around->box.center, .end = around->box.center, .radius = around->box.extent};
+    return !around->box_present || own == BOX || clear_of_both(there, back, &ball, wave_number);
 }
 
 /* What all bodies but `own` leave on a leg. */
@@ -217,7 +212,7 @@ static Phasor passed_by_all(const Surroundings *around, const Leg *leg, int own,
     for (int side = 0; side < (from_image(around, leg) ? 2 : 1); side++) {
         for (int i = 0; i < around->targets; i++) {
             Target target = side ? mirrored_target(around, &around->target[i]) : around->target[i];
-            if ((i != own || side) && !clear_of(leg, &target, wave_number)) {
+            if ((i != own || side) && !clear_of(leg, &target, 0.0, wave_number)) {
                 double along;
                 middle_of(leg, &target, &along);
                 Screen screen = screen_of_target(&target, leg->from, leg->direction, leg->begin + leg->pace * along);
@@ -257,30 +252,29 @@ static bool alone(const Surroundings *around, int own)
     return around->targets + around->box_present == (own != PLANE);
 }
 
-/* What is left of an echo by body `own` behind and beside the others. */
-static Echo shaded(const UltrasonicSensor *sensor, const Surroundings *around, const Transceiver *pair, int own,
-                   const Path *path, Curvature mirror, Echo echo)
+/* Weighs an echo by body `own` with what is left of it behind and beside the others; false for nothing. */
+static bool hear_shaded(const UltrasonicSensor *sensor, const Surroundings *around, const Transceiver *pair, int own,
+                        const Path *path, double spread, Echo *echo)
 {
-    if (!isfinite(echo.time)) {
-        return echo;
-    }
-    double whole = path->first + path->second, slow = 1.0 / sensor->speed_of_sound;
+    double slow = 1.0 / sensor->speed_of_sound;
     Vector receiver = add_scaled(pair->receiver, path->time, pair->velocity);
     /* no wavefront comes together farther off than where the other leg ends */
     Leg there = {pair->transmitter, path->incident, path->first, path->second, 0.0, slow};
     Leg back = {receiver, scale(-1.0, path->reflected), path->second, path->first, path->time, -slow};
-    if (clear_of_all(around, &there, own, sensor->wave_number) && clear_of_all(around, &back, own, sensor->wave_number)) {
-        return echo;
+    if (clear_of_all(around, &there, &back, own, sensor->wave_number)) {
+        return true;
     }
     if (buried(around, path->point, path->bounce_time, own)) {
-        return silence;
+        return false;
     }
     /* the mean curvature that the mirror adds, from the spreading */
-    double added = (2.0 / sqrt(spreading_power(*path, mirror)) - whole) / (path->first * path->second);
+    double whole = path->first + path->second, added = (spread - whole) / (path->first * path->second);
     there.focus = 1.0 / (added + 1.0 / path->second);
     back.focus = 1.0 / (added + 1.0 / path->first);
     Phasor factor = phasor_product(passed_by_all(around, &there, own, sensor->wave_number),
                                    passed_by_all(around, &back, own, sensor->wave_number));
-    bool clear = factor.re == 1.0 && factor.im == 0.0;
-    return clear ? echo : weighted(echo, factor);
+    if (factor.re != 1.0 || factor.im != 0.0) {
+        weigh(echo, factor);
+    }
+    return true;
 }

@@ -10,29 +10,36 @@ typedef struct End {
     double length;      /* of the path by the end */
 } End;
 
-/* The echo of a path by a target of some velocity, or silence where the sensor cannot hear it. */
-static Echo echo_of_path(const UltrasonicSensor *sensor, const Transceiver *pair, const Path *path, Curvature mirror,
-                         Vector velocity, double reflection)
+/* Writes the echo of a path by a target of some velocity; false where the sensor cannot hear it. */
+static bool hear_path(const UltrasonicSensor *sensor, const Transceiver *pair, const Path *path, double spread,
+                      Vector velocity, double reflection, Echo *echo)
 {
     bool in_front = dot(path->incident, pair->axis) > 0.0 && dot(path->reflected, pair->receiver_axis) < 0.0;
     /* a plane between transmitter and receiver has its mirror point behind the receiver */
     bool outside = dot(path->incident, path->normal) < 0.0 && dot(path->reflected, path->normal) > 0.0
         && path->second > 0.0;
     if (!in_front || !outside || !(reflection > 0.0)) {
-        return silence;
+        return false;
     }
-    double level = path_level(pair, *path, mirror, reflection, sensor->wave_number, sensor->absorption);
+    double amplitude = path_amplitude(pair, *path, spread, reflection, sensor->wave_number, sensor->absorption);
     double there = beam_argument(path->incident, pair->axis, sensor->wave_number);
     double back = beam_argument(path->reflected, pair->receiver_axis, sensor->wave_number);
     double doppler = doppler_of(pair, *path, velocity, sensor->speed_of_sound);
-    return (Echo){.time = path->time, .level = level, .there = there, .back = back, .doppler = doppler};
+    *echo = (Echo){.time = path->time,
+                   .amplitude = fabs(amplitude),
+                   .phase = amplitude < 0.0 ? PI : 0.0,
+                   .there = there,
+                   .back = back,
+                   .doppler = doppler};
+    return isfinite(path->time);
 }
 
-static Echo specular_plane(const UltrasonicSensor *sensor, const Surroundings *around, const Transceiver *pair)
+static bool hear_plane(const UltrasonicSensor *sensor, const Surroundings *around, const Transceiver *pair, Echo *echo)
 {
     Path path = plane_path(pair, around->plane_point, around->plane_normal, sensor->speed_of_sound);
-    Echo echo = echo_of_path(sensor, pair, &path, plane_curvature(), at_rest, sensor->plane_reflection);
-    return alone(around, PLANE) ? echo : shaded(sensor, around, pair, PLANE, &path, plane_curvature(), echo);
+    double spread = path.first + path.second;
+    return hear_path(sensor, pair, &path, spread, at_rest, sensor->plane_reflection, echo)
+        && (alone(around, PLANE) || hear_shaded(sensor, around, pair, PLANE, &path, spread, echo));
 }
 
 /* The path by a given surface point; what moves is taken where it is at the reception. */
@@ -80,14 +87,15 @@ static Phasor beyond(End end, double near_bend, double far_bend, double length, 
 }
 
 /* A capsule's wall goes over into its caps: near there both make the echo. */
-static Echo blended(const UltrasonicSensor *sensor, const Transceiver *pair, const Target *target, const Path *mirror,
-                    double share, Echo echo)
+static void blend(const UltrasonicSensor *sensor, const Transceiver *pair, const Target *target, const Path *mirror,
+                  double share, Echo *echo)
 {
     Vector whole = subtract(target->end, target->start);
     double size = norm(whole), k = sensor->wave_number;
     double length = mirror->first + mirror->second;
     double round = dot(subtract(mirror->reflected, mirror->incident), mirror->normal) / target->radius;
-    double cap_bend = 2.0 / lesser(mirror->first, mirror->second) + round;
+    double leg = greater(mirror->first, mirror->second), wall_bend = 2.0 / lesser(mirror->first, mirror->second);
+    double cap_bend = wall_bend + round;
     Phasor factor = {1.0, 0.0};
     bool changed = false;
     for (int side = 0; side < 2; side++) {
@@ -97,9 +105,10 @@ static Echo blended(const UltrasonicSensor *sensor, const Transceiver *pair, con
             continue; /* the far cap of a capsule whose near one answers */
         }
         Vector outward = scale(side == 0 ? -1.0 / size : 1.0 / size, whole);
-        /* quick and on the safe side: the slope there is at least 2 away / hypot(leg, away) */
-        double leg = greater(mirror->first, mirror->second);
-        if (4.0 * away * away * k > LAST_END * LAST_END * PI * cap_bend * (leg * leg + away * away)) {
+        /* quick and on the safe side: the slope there is at least 2 away / hypot(leg, away); as an end's 1 / u is taken
+         * back by what lies beyond, 1 / u^3 is left, from the wall in shares of the flatter mirror's */
+        double u = 4.0 * away * away * k / (PI * cap_bend * (leg * leg + away * away)), last = LAST_END * LAST_END;
+        if (u * u * u * cap_bend > last * last * last * (on_cap ? cap_bend : wall_bend)) {
             continue;
         }
         Vector center = side == 0 ? target->start : target->end;
@@ -111,13 +120,9 @@ static Echo blended(const UltrasonicSensor *sensor, const Transceiver *pair, con
             changed = true;
         }
     }
-    return changed ? weighted(echo, factor) : echo;
-}
-
-/* No less than the length, without a root. */
-static double most_of(Vector a)
-{
-    return fabs(a.x) + fabs(a.y) + fabs(a.z);
+    if (changed) {
+        weigh(echo, factor);
+    }
 }
 
 /* On the axis of the capsule the centre of the touching ball is nearest to where the normal aims. */
@@ -144,8 +149,8 @@ static Path target_path(const UltrasonicSensor *sensor, const Surroundings *arou
     return path;
 }
 
-static Echo specular_target(const UltrasonicSensor *sensor, const Surroundings *around, int number,
-                            const Transceiver *pair)
+static bool hear_target(const UltrasonicSensor *sensor, const Surroundings *around, int number, const Transceiver *pair,
+                        Echo *echo)
 {
     const Target *target = &around->target[number];
     Vector whole = subtract(target->end, target->start);
@@ -157,24 +162,19 @@ static Echo specular_target(const UltrasonicSensor *sensor, const Surroundings *
     Path path = target_path(sensor, around, target, pair, slide, &share);
     /* a solid plane hides what lies behind it */
     if (around->plane && dot(subtract(path.point, around->plane_point), around->plane_normal) < 0.0) {
-        return silence;
+        return false;
     }
     Curvature mirror = sphere_curvature(path, target->radius);
     if (share > 0.0 && share < 1.0) {
         mirror = cylinder_curvature(path, scale(1.0 / sqrt(square), whole), target->radius);
     }
-    Echo echo = echo_of_path(sensor, pair, &path, mirror, target->velocity, target->reflection);
-    if (!alone(around, number)) {
-        echo = shaded(sensor, around, pair, number, &path, mirror, echo);
+    double spread = sqrt(spreading_square(path, mirror));
+    bool heard = hear_path(sensor, pair, &path, spread, target->velocity, target->reflection, echo)
+        && (alone(around, number) || hear_shaded(sensor, around, pair, number, &path, spread, echo));
+    if (heard && square > 0.0) {
+        blend(sensor, pair, target, &path, share, echo);
     }
-    return square > 0.0 && isfinite(echo.time) ? blended(sensor, pair, target, &path, share, echo) : echo;
-}
-
-static void add_echo(Echoes *echoes, Echo echo)
-{
-    if (isfinite(echo.time) && echoes->count < MOST_ECHOES) {
-        echoes->echo[echoes->count++] = echo;
-    }
+    return heard;
 }
 
 /* A part of what a strip between -half and half reflects: its mirror point, if it has it, or an end. */
@@ -206,8 +206,8 @@ static Phasor part_weight(const Path *path, Vector along, double bend, double si
 #define FAINT_PART 1e-6 /* of the plane's power */
 
 /* The echo by a point of a face where its sides along `a` and `b` have their mirror point or end. */
-static Echo echo_of_part(const UltrasonicSensor *sensor, const Surroundings *around, const Transceiver *pair,
-                         const Path *path, Vector a, Vector b, double sign_a, double sign_b)
+static bool hear_part(const UltrasonicSensor *sensor, const Surroundings *around, const Transceiver *pair,
+                      const Path *path, Vector a, Vector b, double sign_a, double sign_b, Echo *echo)
 {
     double bend_a = straight_bend(path, a), bend_b = straight_bend(path, b);
     Phasor weight = phasor_product(part_weight(path, a, bend_a, sign_a, sensor->wave_number),
@@ -216,13 +216,13 @@ static Echo echo_of_part(const UltrasonicSensor *sensor, const Surroundings *aro
     double oblique = 0.5 * dot(subtract(path->reflected, path->incident), path->normal);
     double factor = oblique * (1.0 / path->first + 1.0 / path->second) / sqrt(bend_a * bend_b);
     weight = (Phasor){factor * weight.re, factor * weight.im};
-    Echo echo = echo_of_path(sensor, pair, path, plane_curvature(), at_rest, sensor->box_reflection);
     bool faint = weight.re * weight.re + weight.im * weight.im < FAINT_PART;
-    if (faint || !isfinite(echo.time)) {
-        return silence;
+    double spread = path->first + path->second;
+    if (faint || !hear_path(sensor, pair, path, spread, at_rest, sensor->box_reflection, echo)) {
+        return false;
     }
-    echo = weighted(echo, weight);
-    return alone(around, BOX) ? echo : shaded(sensor, around, pair, BOX, path, plane_curvature(), echo);
+    weigh(echo, weight);
+    return alone(around, BOX) || hear_shaded(sensor, around, pair, BOX, path, spread, echo);
 }
 
 /* A face as a bounded plane: its mirror point, its edges and its corners, each where and when it is. */
@@ -249,24 +249,24 @@ static void add_face(const UltrasonicSensor *sensor, const Surroundings *around,
         bool hidden = around->plane && dot(subtract(point, around->plane_point), around->plane_normal) < 0.0;
         if (!hidden) {
             Path path = path_by(pair, point, normal, mirror.time, sensor->speed_of_sound);
-            add_echo(echoes, echo_of_part(sensor, around, pair, &path, a, b, at_a.sign, at_b.sign));
+            keep_next(echoes, hear_part(sensor, around, pair, &path, a, b, at_a.sign, at_b.sign, next_echo(echoes)));
         }
     }
 }
 
 /* By one pair: the sensor's own, or with one of the two mirrored at the ground. */
 static void add_echoes_of_targets(const UltrasonicSensor *sensor, const Surroundings *around, const Transceiver *pair,
-                                  double bounce_level, Echoes *echoes)
+                                  double bounce, Echoes *echoes)
 {
     int before = echoes->count;
     for (int i = 0; i < around->targets; i++) {
-        add_echo(echoes, specular_target(sensor, around, i, pair));
+        keep_next(echoes, hear_target(sensor, around, i, pair, next_echo(echoes)));
     }
     for (int face = 0; face < 2 * AXES && around->box_present; face++) {
         add_face(sensor, around, pair, face / 2, face % 2 ? 1.0 : -1.0, echoes);
     }
     for (int i = before; i < echoes->count; i++) {
-        echoes->echo[i].level += bounce_level;
+        echoes->echo[i].amplitude *= bounce;
     }
 }
 
@@ -294,15 +294,15 @@ static void add_multipath(const UltrasonicSensor *sensor, const Surroundings *ar
     Transceiver pairs[2];
     int count = mirrored_pairs(sensor, around, pairs);
     for (int i = 0; i < count; i++) {
-        add_echoes_of_targets(sensor, around, &pairs[i], DECIBEL_PER_NEPER * log(sensor->plane_reflection), echoes);
+        add_echoes_of_targets(sensor, around, &pairs[i], sensor->plane_reflection, echoes);
     }
 }
 
 static void specular_echoes(const UltrasonicSensor *sensor, const Surroundings *around, Echoes *echoes)
 {
     if (around->plane) {
-        add_echo(echoes, specular_plane(sensor, around, &around->pair));
+        keep_next(echoes, hear_plane(sensor, around, &around->pair, next_echo(echoes)));
     }
-    add_echoes_of_targets(sensor, around, &around->pair, 0.0, echoes);
+    add_echoes_of_targets(sensor, around, &around->pair, 1.0, echoes);
     add_multipath(sensor, around, echoes);
 }

@@ -155,13 +155,13 @@ static int by_time(Onset *onsets, int count, Onset onset)
 /* Height of the threshold in shares of what an endless burst of this echo reaches. */
 static double height_of(const UltrasonicSensor *sensor, Echo echo)
 {
-    return sensor->peak * exp((sensor->threshold - echo.level) / DECIBEL_PER_NEPER);
+    return sensor->peak * sensor->threshold_amplitude / echo.amplitude;
 }
 
 /* Amplitude over the threshold's, with the phase of the carrier. */
 static Phasor phasor_of(const UltrasonicSensor *sensor, Echo echo)
 {
-    double amplitude = exp((echo.level - sensor->threshold) / DECIBEL_PER_NEPER);
+    double amplitude = echo.amplitude / sensor->threshold_amplitude;
     return scaled(amplitude, phasor_at(echo.phase - 2.0 * PI * sensor->frequency * echo.time));
 }
 
@@ -223,11 +223,10 @@ static double envelope_of(const UltrasonicSensor *sensor, Echo echo, double sinc
 static Echo heaviest(const UltrasonicSensor *sensor, const Echo *echoes, int echo_count, double time)
 {
     Echo best = silence;
-    double most = -INFINITY;
+    double most = 0.0;
     for (int i = 0; i < echo_count; i++) {
         double since = (time - echoes[i].time) / sensor->ring_time;
-        double height = since > 0.0 ? envelope_of(sensor, echoes[i], since) : 0.0;
-        double weight = height > 0.0 ? echoes[i].level + DECIBEL_PER_NEPER * log(height) : -INFINITY;
+        double weight = since > 0.0 ? echoes[i].amplitude * envelope_of(sensor, echoes[i], since) : 0.0;
         if (weight > most) {
             most = weight;
             best = echoes[i];
@@ -267,24 +266,23 @@ static Detection detect_sum(const UltrasonicSensor *sensor, const Echo *echoes, 
 }
 
 /* When a lone echo passes the threshold after the emission, INFINITY for never, 0 where only the sum can tell;
- * its level becomes that of the shifted echo. */
+ * its amplitude becomes that of the shifted echo. */
 static double lone_crossing(const UltrasonicSensor *sensor, Echo *echo)
 {
-    double margin = (echo->level - sensor->threshold) / DECIBEL_PER_NEPER;
+    double height = height_of(sensor, *echo), loudest;
     if (!shifted(sensor, *echo)) {
-        return margin >= 0.0 ? echo->time + rise_time(sensor, margin, *echo) : INFINITY;
+        return height <= sensor->peak ? echo->time + rise_time(sensor, height, *echo) : INFINITY;
     }
     Shift shift = shift_of(sensor, *echo);
-    double height = height_of(sensor, *echo), loudest;
     double latest = loudest_time(sensor, &shift, &loudest);
-    echo->level += DECIBEL_PER_NEPER * log(loudest / sensor->peak);
+    echo->amplitude *= loudest / sensor->peak;
     if (!(height <= loudest)) {
         return INFINITY;
     }
     if (fabs(shift.turn) > QUICK_SHIFT) {
         return 0.0;
     }
-    double guess = plain_rise(sensor, height * sensor->peak / loudest, log(loudest / height));
+    double guess = plain_rise(sensor, height * sensor->peak / loudest);
     return echo->time + sensor->ring_time * shifted_rise(sensor, &shift, height, guess, latest);
 }
 

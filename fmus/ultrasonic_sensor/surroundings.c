@@ -4,23 +4,41 @@
 #include <math.h>
 
 typedef struct Echo {
-    double time;  /* from the emission to its arrival, INFINITY for none */
-    double level; /* at its loudest, without Doppler */
-    double phase; /* of the carrier at the arrival */
+    double time;      /* from the emission to its arrival, INFINITY for none */
+    double amplitude; /* at its loudest, without Doppler; 1 is a level of 0 dB */
+    double phase;     /* of the carrier at the arrival */
     double there, back; /* (x / 2)^2 of the beam on both ways */
-    double doppler;     /* by how many parts it comes faster than the burst left */
-    bool foreign;       /* of another sensor's burst */
+    double doppler;   /* by how many parts it comes faster than the burst left */
+    bool foreign;     /* of another sensor's burst */
 } Echo;
 
 static const Vector at_rest = {0.0, 0.0, 0.0};
-static const Echo silence = {.time = INFINITY, .level = NO_ECHO_LEVEL};
+static const Echo silence = {.time = INFINITY};
 
 enum { MOST_ECHOES = 96, MOST_LATE = 8, LATE_NUMBERS = 6 }; /* those of one ping; those that outlive it */
 
 typedef struct Echoes {
-    Echo echo[MOST_ECHOES];
+    Echo echo[MOST_ECHOES + 1]; /* the last only to be written at */
     int count;
 } Echoes;
+
+/* Where the next echo is written: copies would cost as much as its path. */
+static Echo *next_echo(Echoes *echoes)
+{
+    return &echoes->echo[echoes->count];
+}
+
+/* Counts what was written there, if it is `heard`. */
+static void keep_next(Echoes *echoes, bool heard)
+{
+    echoes->count += heard && echoes->count < MOST_ECHOES;
+}
+
+static void add_echo(Echoes *echoes, Echo echo)
+{
+    *next_echo(echoes) = echo;
+    keep_next(echoes, true);
+}
 
 /* Unlike fmin and fmax, no calls: what is compared here is a number. */
 static double lesser(double a, double b)
@@ -31,6 +49,12 @@ static double lesser(double a, double b)
 static double greater(double a, double b)
 {
     return b > a ? b : a;
+}
+
+/* No less than the length, without a root. */
+static double most_of(Vector a)
+{
+    return fabs(a.x) + fabs(a.y) + fabs(a.z);
 }
 
 /* A capsule with its axis from start to end, or a sphere where they are equal. */
@@ -66,42 +90,42 @@ static Box box_of(const UltrasonicSensor *sensor)
 }
 
 /* Absent without a radius. */
-static void add_target(Surroundings *around, Target target)
+static void add_target(Surroundings *around, Vector start, Vector end, Vector velocity, double radius, double reflection)
 {
-    if (target.radius > 0.0) {
-        around->target[around->targets++] = target;
+    if (radius > 0.0) {
+        around->target[around->targets++] = (Target){start, end, velocity, radius, reflection};
     }
 }
 
-static Surroundings surroundings_at(const UltrasonicSensor *sensor, double emission)
+/* Filled in its place: a copy would cost as much as an empty ping. */
+static void look_around(const UltrasonicSensor *sensor, double emission, Surroundings *around)
 {
-    Surroundings around;
     Rotation turn = rotation(sensor->orientation);
     Vector half = scale(0.5 * sensor->baseline, turn.y);
     Vector middle = add_scaled(sensor->position, emission - sensor->position_time, sensor->velocity);
     Vector sphere = add_scaled(sensor->sphere_center, emission - sensor->sphere_center_time,
                                sensor->sphere_velocity);
-    around.middle = middle;
-    around.pair.transmitter = add(middle, half);
-    around.pair.receiver = subtract(middle, half);
-    around.pair.axis = around.pair.receiver_axis = turn.x;
-    around.pair.velocity = around.pair.transmitter_velocity = sensor->velocity;
-    around.plane = dot(subtract(middle, sensor->plane_point), sensor->plane_normal) > 0.0;
-    around.plane_point = sensor->plane_point;
-    around.plane_normal = around.plane ? scale(1.0 / norm(sensor->plane_normal), sensor->plane_normal) : at_rest;
-    around.targets = 0;
-    add_target(&around, (Target){sphere, sphere, sensor->sphere_velocity, sensor->sphere_radius,
-                                 sensor->sphere_reflection});
-    add_target(&around, (Target){sensor->capsule_1_start, sensor->capsule_1_end, at_rest, sensor->capsule_1_radius,
-                                 sensor->capsule_reflection});
-    add_target(&around, (Target){sensor->capsule_2_start, sensor->capsule_2_end, at_rest, sensor->capsule_2_radius,
-                                 sensor->capsule_reflection});
+    around->middle = middle;
+    around->pair.transmitter = add(middle, half);
+    around->pair.receiver = subtract(middle, half);
+    around->pair.axis = turn.x;
+    around->pair.receiver_axis = turn.x;
+    around->pair.velocity = sensor->velocity;
+    around->pair.transmitter_velocity = sensor->velocity;
+    around->plane = dot(subtract(middle, sensor->plane_point), sensor->plane_normal) > 0.0;
+    around->plane_point = sensor->plane_point;
+    around->plane_normal = around->plane ? scale(1.0 / norm(sensor->plane_normal), sensor->plane_normal) : at_rest;
+    around->targets = 0;
+    add_target(around, sphere, sphere, sensor->sphere_velocity, sensor->sphere_radius, sensor->sphere_reflection);
+    add_target(around, sensor->capsule_1_start, sensor->capsule_1_end, at_rest, sensor->capsule_1_radius,
+               sensor->capsule_reflection);
+    add_target(around, sensor->capsule_2_start, sensor->capsule_2_end, at_rest, sensor->capsule_2_radius,
+               sensor->capsule_reflection);
     Vector size = sensor->box_size;
-    around.box_present = size.x > 0.0 && size.y > 0.0 && size.z > 0.0;
-    if (around.box_present) {
-        around.box = box_of(sensor);
+    around->box_present = size.x > 0.0 && size.y > 0.0 && size.z > 0.0;
+    if (around->box_present) {
+        around->box = box_of(sensor);
     }
-    return around;
 }
 
 /* From start to end, as a share of the whole, the point of the axis nearest to `aim`. */

@@ -170,7 +170,7 @@ static void compute_ping(UltrasonicSensor *sensor)
     Detection found = first_echo(sensor, emission);
     double time_out = sensor->time_out > 0.0 ? sensor->time_out : sensor->farthest_time;
     sensor->pending_valid = isfinite(found.crossing);
-    sensor->pending_level = found.echo.level;
+    sensor->pending_level = sensor->pending_valid ? DECIBEL_PER_NEPER * log(found.echo.amplitude) : NO_ECHO_LEVEL;
     if (sensor->pending_valid) {
         pend_echo(sensor, found);
     } else {

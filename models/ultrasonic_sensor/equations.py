@@ -15,7 +15,7 @@ from . import air
 
 DECIBEL_PER_NEPER = 8.685889638065036553  # 20 / ln 10
 PISTON_RADIUS = 0.00657  # m
-PISTON_TERMS = 22  # of the series behind the first
+PISTON_TERMS = 19  # of the series behind the first
 PARTS_OF_DISPERSION = 7
 
 NO_ECHO = -200.0  # dB
@@ -45,7 +45,8 @@ def equations(values: Values) -> Values:
         "initial(burst_length)": burst,
         "initial(peak_time)": peak_time(burst),
         "initial(peak)": peak(burst),
-        "initial(burst_margin)": margin(burst),
+        "initial(burst_height)": envelope(burst, burst),
+        "initial(threshold_amplitude)": ca.exp(values["threshold"] / DECIBEL_PER_NEPER),
         "initial(nearest_time)": facing_time(values["minimum_range"], sound, half_baseline),
         "initial(farthest_time)": facing_time(values["maximum_range"], sound, half_baseline),
         "initial(burst_start)": values["time"] + values["trigger_latency"],
@@ -56,7 +57,7 @@ def equations(values: Values) -> Values:
         "ring_time_of": ring,
         "burst_peak_time": peak_time(values["length_of_burst"]),
         "burst_peak": peak(values["length_of_burst"]),
-        "burst_margin": margin(values["length_of_burst"]),
+        "burst_height": envelope(values["length_of_burst"], values["length_of_burst"]),
         **{f"initial({name}_time)": values["time"] for name in STARTED},
         # the legs of an isosceles triangle over the baseline, and its height
         "distance_of_time": ca.sqrt((half_way - half_baseline) * (half_way + half_baseline)),
@@ -67,13 +68,13 @@ def equations(values: Values) -> Values:
         "doppler_of": doppler(values),
         **_named("sphere_curvature", sphere_curvature(values)),
         **_named("cylinder_curvature", cylinder_curvature(values)),
-        "spreading_power": spreading_power(values),
+        "spreading_square": spreading_square(values),
         "piston_directivity": piston(values["half_argument_squared"]),
         "piston_dispersion": dispersion(values["half_argument_squared"]),
         "beam_argument": beam_argument(values["incident"], values["axis"], values["sound_wave_number"]),
-        "path_level": path_level(values),
-        "facing_level": DECIBEL_PER_NEPER * ca.log(2 / values["length"])
-        - values["absorption_per_metre"] * values["length"],
+        "left_by_air": left_by_air(values["length"], values["absorption_per_metre"]),
+        "path_amplitude": path_amplitude(values),
+        "facing_amplitude": left_by_air(values["length"], values["absorption_per_metre"]) * 2 / values["length"],
     }
 
 
@@ -105,11 +106,6 @@ def peak_time(length: SX) -> SX:
 def peak(length: SX) -> SX:
     """The envelope at its loudest."""
     return envelope(peak_time(length), length)
-
-
-def margin(length: SX) -> SX:
-    """ln of the peak over the envelope when the burst ends."""
-    return ca.log(peak(length) / envelope(length, length))
 
 
 def rest_after_ping(values: Values, burst: SX, ring: SX, sound: SX) -> SX:
@@ -241,14 +237,14 @@ def cylinder_curvature(values: Values) -> Values:
     return _curvature(across / ca.norm_2(across), place, values)
 
 
-def spreading_power(values: Values) -> SX:
-    """Relative to a plane that faces the sensor at 1 m: 4 m2 over the cross-section of a ray tube, 1/m2."""
+def spreading_square(values: Values) -> SX:
+    """Cross-section of a ray tube over its solid angle, m2."""
     cosine = ca.dot(values["reflected"], values["normal"])
     first, second = values["first"], values["second"]
     trace = 2 * (cosine * values["trace"] + values["along"] / cosine)
     # any matrix of the mirror's trace and determinant
     mirror = ca.blockcat([[SX(0), -4 * values["determinant"]], [SX(1), trace]])
-    return 4 / ca.det((first + second) * SX.eye(2) + first * second * mirror)
+    return ca.det((first + second) * SX.eye(2) + first * second * mirror)
 
 
 def piston(half_argument_squared: SX) -> SX:
@@ -276,11 +272,16 @@ def beam_argument(direction: SX, axis: SX, wave_number: SX) -> SX:
     return (wave_number * PISTON_RADIUS / 2) ** 2 * (1 - ca.dot(direction, axis) ** 2)
 
 
-def path_level(values: Values) -> SX:
-    """Level of a path in dB: spreading, the beam twice, the air."""
-    level = DECIBEL_PER_NEPER / 2 * ca.log(spreading_power(values) * values["reflection"] ** 2)
+def left_by_air(length: SX, absorption: SX) -> SX:
+    """Of an amplitude, from the absorption in dB/m."""
+    return ca.exp(-1 / DECIBEL_PER_NEPER * absorption * length)
+
+
+def path_amplitude(values: Values) -> SX:
+    """Relative to a plane that faces the sensor at 1 m: spreading, the beam twice, the target, the air."""
+    amplitude = 2 * values["reflection"] / values["spread"]
     for direction, axis in (("incident", "axis"), ("reflected", "receiver_axis")):
         aside = ca.cross(values[direction], values[axis])
         half_argument = values["sound_wave_number"] * PISTON_RADIUS / 2
-        level += DECIBEL_PER_NEPER / 2 * ca.log(piston(half_argument**2 * ca.dot(aside, aside)) ** 2)
-    return level - values["absorption_per_metre"] * (values["first"] + values["second"])
+        amplitude *= piston(half_argument**2 * ca.dot(aside, aside))
+    return amplitude * left_by_air(values["first"] + values["second"], values["absorption_per_metre"])

@@ -47,7 +47,7 @@ RESULT_UNITS = {
     "distance_of_time": "m",
     "time_of_distance": "s",
     "arrival_time": "s",
-    "spreading_power": "1/m2",
+    "spreading_square": "m2",
     **{f"{path}.{name}": unit for path in ("plane_path", "ball_path_refined") for name, unit in PATH_UNITS.items()},
     **{f"{body}_curvature.{name}": unit for body in ("sphere", "cylinder") for name, unit in CURVATURE_UNITS.items()},
 }
@@ -61,7 +61,7 @@ def identities(f: Equations) -> dict[str, SX]:
         **_ball(f),
         **_doppler(f),
         **_spreading(f),
-        **_levels(f),
+        **_amplitudes(f),
         **_burst(f),
         **_foreign(f),
         "every equation is right in its units, which x = v/t is not": in_other_units(
@@ -272,15 +272,15 @@ def _spreading(f: Equations) -> dict[str, SX]:
         curvature = {name: SX(0) for name in CURVATURE_UNITS}
         if shape != "plane":
             curvature = {name: results[f"{shape}_curvature.{name}"] for name in CURVATURE_UNITS}
-        power = f(values | curvature)["spreading_power"]
-        claims[f"{shape}: the power in a tube of rays is kept"] = power * _tube(values, shape) - 4
+        square = f(values | curvature)["spreading_square"]
+        claims[f"{shape}: the power in a tube of rays is kept"] = square - _tube(values, shape)
     return claims
 
 
-def _levels(f: Equations) -> dict[str, SX]:
-    """Levels: reciprocity, the facing plane, Bessel's equation of the beam."""
+def _amplitudes(f: Equations) -> dict[str, SX]:
+    """Amplitudes: reciprocity, the facing plane, Bessel's equation of the beam."""
     values = symbols()
-    level = f(values)["path_level"]
+    amplitude = f(values)["path_amplitude"]
     legs = {"first": values["second"], "second": values["first"]}
     ends = {
         "incident": -values["reflected"],
@@ -296,9 +296,11 @@ def _levels(f: Equations) -> dict[str, SX]:
         "receiver_axis": values["axis"],
         "reflection": SX(1),
     }
-    flat = {name: SX(0) for name in CURVATURE_UNITS}
-    facing = f(values | straight | flat)["path_level"]
-    whole = f(values | {"length": values["first"] + values["second"]})["facing_level"]
+    flat = {"spread": values["first"] + values["second"]}
+    facing = f(values | straight | flat)["path_amplitude"]
+    whole = f(values | {"length": values["first"] + values["second"]})["facing_amplitude"]
+    other = {"length": values["spread"]}
+    both = f(values | {"length": values["length"] + values["spread"]})["left_by_air"]
     argument = values["half_argument_squared"]
     beam = f(values)["piston_directivity"]
     slope = ca.jacobian(beam, argument)
@@ -308,8 +310,10 @@ def _levels(f: Equations) -> dict[str, SX]:
     here, there = f(values), f(back)
     round_bodies = [f"{shape}_curvature.{name}" for shape in ("sphere", "cylinder") for name in CURVATURE_UNITS]
     return {
-        "emitter and receiver may be exchanged: the level stays": f(back)["path_level"] - level,
-        "a plane seen straight on has the level of the facing plane": facing - whole,
+        "emitter and receiver may be exchanged: the amplitude stays": f(back)["path_amplitude"] - amplitude,
+        "the air takes as much of one way as of its parts": f(values)["left_by_air"] * f(values | other)["left_by_air"]
+        - both,
+        "a plane seen straight on has the amplitude of the facing plane": facing - whole,
         "the beam obeys Bessel's equation, but for the last term of its series": argument * ca.jacobian(slope, argument)
         + 2 * slope
         + beam
@@ -354,5 +358,5 @@ def _burst(f: Equations) -> dict[str, SX]:
         "a resonator answers with a half at the edges of its bandwidth": 1 + edge**2 - 4,
         "the envelope of a burst is flat at its peak": ca.substitute(ca.jacobian(after, time), time, peak),
         "the envelope of a burst is as high as its peak": ca.substitute(after, time, peak) - loudest,
-        "the margin at the end of the burst leads back to it": loudest * ca.exp(-results["burst_margin"]) - value,
+        "the burst ends as high as its begin has come": results["burst_height"] - value,
     }

@@ -8,7 +8,7 @@ from casadi import SX
 
 from ..algebra import Values, rotation_matrix, unit_quaternion, unit_vector
 
-LENGTHS = ("baseline", "range", "length", "first", "second", "ball_radius", "leg_1", "leg_2")
+LENGTHS = ("baseline", "range", "length", "first", "second", "ball_radius", "leg_1", "leg_2", "spread")
 SAMPLES = dict.fromkeys((*LENGTHS, "metre", "kilogram", "second_of_time"), (0.5, 1.0)) | {
     "temperature": (253.15, 323.15),
     "humidity": (0.1, 1.0),
@@ -94,12 +94,13 @@ def symbols() -> Values:
     numbers = ("temperature", "humidity", "pressure", "frequency", "bandwidth", "burst_periods", "length_of_burst")
     ranges = ("minimum_range", "maximum_range", "time", "sound_wave_number", "absorption_per_metre", "reflection")
     times = ("trigger_latency", "period", "time_out")
+    echoes = ("threshold", "spread")
     more = ("half_argument_squared", "length", "time_of_flight", "range", "baseline", "trace", "determinant", "along")
     paths, mirrors = path(SX.sym("velocity", 3), SX.sym("ball_velocity", 3)), mirror()
     # so far behind the transmitter that the receiver is in front of the plane too
     foot = paths["transmitter"] - scalar("plane_distance") * mirrors["normal"]
     return {
-        **{name: scalar(name) for name in numbers + ranges + times + more},
+        **{name: scalar(name) for name in numbers + ranges + times + echoes + more},
         **paths,
         **mirrors,
         "transmitter_velocity": SX.sym("transmitter_velocity", 3),

@@ -136,9 +136,9 @@ WRONG = {
     ),
     "an emitter that is louder than the receiver hears": (
         "ultrasonic_sensor",
-        "path_level",
-        lambda results, values: results["path_level"] - values["first"],
-        "emitter and receiver may be exchanged: the level stays",
+        "path_amplitude",
+        lambda results, values: results["path_amplitude"] - values["first"],
+        "emitter and receiver may be exchanged: the amplitude stays",
     ),
 }
 
@@ -149,8 +149,9 @@ COMPARED_ONLY = {
         "absorption_of_air",
         "piston_dispersion",
         *(f"initial({name})" for name in ("speed_of_sound", "absorption", "distance", "level")),
+        "initial(threshold_amplitude)",
         *(f"initial({name}_time)" for name in ("start", "position", "sphere_center", "nearest", "farthest", "ring")),
-        *(f"initial({name})" for name in ("wave_number", "burst_length", "peak_time", "peak", "burst_margin")),
+        *(f"initial({name})" for name in ("wave_number", "burst_length", "peak_time", "peak", "burst_height")),
         *(f"initial({name})" for name in ("burst_start", "burst_period", "burst_rest")),
         *(f"initial(foreign_{number}_position_time)" for number in (1, 2, 3)),
         "burst_velocity",

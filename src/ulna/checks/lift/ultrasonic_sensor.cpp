@@ -77,20 +77,25 @@ static Curvature mirror(Lift &lift)
     return {lift.symbols<Real>("trace"), lift.symbols<Real>("determinant"), lift.symbols<Real>("along")};
 }
 
-static void lift_levels()
+static void lift_amplitudes()
 {
-    lift_function("spreading_power", [](Lift &lift) {
+    lift_function("spreading_square", [](Lift &lift) {
         Path path = legs(lift);
-        return spreading_power(path, mirror(lift));
+        return spreading_square(path, mirror(lift));
     });
-    lift_function("path_level", [](Lift &lift) {
+    lift_function("left_by_air", [](Lift &lift) {
+        Real length = lift.symbols<Real>("length");
+        return left_by_air(length, lift.symbols<Real>("absorption_per_metre"));
+    });
+    lift_function("path_amplitude", [](Lift &lift) {
         Path path = legs(lift);
         Transceiver pair = {};
         pair.axis = lift.symbols<Vector>("axis");
         pair.receiver_axis = lift.symbols<Vector>("receiver_axis");
-        Real reflection = lift.symbols<Real>("reflection"), wave_number = lift.symbols<Real>("sound_wave_number");
+        Real spread = lift.symbols<Real>("spread"), reflection = lift.symbols<Real>("reflection");
+        Real wave_number = lift.symbols<Real>("sound_wave_number");
         Real absorption = lift.symbols<Real>("absorption_per_metre");
-        return path_level(&pair, path, mirror(lift), reflection, wave_number, absorption);
+        return path_amplitude(&pair, path, spread, reflection, wave_number, absorption);
     });
     lift_function("doppler_of", [](Lift &lift) {
         Path path = legs(lift);
@@ -107,9 +112,9 @@ static void lift_levels()
         Vector direction = lift.symbols<Vector>("incident"), axis = lift.symbols<Vector>("axis");
         return beam_argument(direction, axis, lift.symbols<Real>("sound_wave_number"));
     });
-    lift_function("facing_level", [](Lift &lift) {
+    lift_function("facing_amplitude", [](Lift &lift) {
         Real length = lift.symbols<Real>("length");
-        return facing_level(length, lift.symbols<Real>("absorption_per_metre"));
+        return facing_amplitude(length, lift.symbols<Real>("absorption_per_metre"));
     });
 }
 
@@ -158,7 +163,7 @@ static void lift_burst()
     lift_function("ring_time_of", [](Lift &lift) { return ring_time_of(lift.symbols<Real>("bandwidth")); });
     lift_function("burst_peak_time", [](Lift &lift) { return burst_peak_time(lift.symbols<Real>("length_of_burst")); });
     lift_function("burst_peak", [](Lift &lift) { return burst_peak(lift.symbols<Real>("length_of_burst")); });
-    lift_function("burst_margin", [](Lift &lift) { return burst_margin(lift.symbols<Real>("length_of_burst")); });
+    lift_function("burst_height", [](Lift &lift) { return burst_height(lift.symbols<Real>("length_of_burst")); });
 }
 
 static void lift_functions()
@@ -166,7 +171,7 @@ static void lift_functions()
     lift_burst();
     lift_paths();
     lift_curvatures();
-    lift_levels();
+    lift_amplitudes();
     lift_air();
     lift_times();
 }
