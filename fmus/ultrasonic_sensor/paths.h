@@ -78,16 +78,19 @@ static inline Path plane_path(const Transceiver *pair, Vector plane_point, Vecto
     return path;
 }
 
-/* A first guess of the path by a ball: straight towards its centre and away from it. */
+/* A first guess of the path by a ball: straight from the middle of the pair to its centre and back, with what the legs
+ * differ by to first order in the baseline. */
 static inline Path ball_path_guess(const Transceiver *pair, Ball ball, real speed)
 {
     Path path;
     path.point = path.normal = path.incident = path.reflected = vector(0.0, 0.0, 0.0);
-    path.first = norm(subtract(ball.center, pair->transmitter)) - ball.radius;
-    path.second = norm(subtract(ball.center, pair->receiver)) - ball.radius;
-    path.bounce_time = path.first / speed;
-    path.time = (path.first + path.second) / speed;
-    path.share = path.first / (path.first + path.second);
+    Vector line = subtract(pair->receiver, pair->transmitter);
+    Vector offset = subtract(ball.center, add_scaled(pair->transmitter, 0.5, line));
+    real reach = norm(offset), leg = reach - ball.radius;
+    path.share = 0.5 + 0.25 * dot(offset, line) / (reach * leg);
+    path.first = path.second = leg;
+    path.time = 2.0 * leg / speed;
+    path.bounce_time = path.share * path.time;
     return path;
 }
 

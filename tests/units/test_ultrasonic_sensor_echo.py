@@ -97,6 +97,28 @@ def test_forearms_agree_with_the_kirchhoff_integral(device):
     assert seen.detection >= 0.99
 
 
+def end_on(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Start and end of a capsule of 50 cm and radius 4 cm, off the axis, whose wall goes over into its cap within a few
+    degrees of the mirror point: there the beam rises along the wall on the one side and falls on the other.
+    """
+    towards = direction(rng, 35.0)
+    aside = np.cross(towards, rng.normal(size=3))
+    tilt = np.radians(rng.uniform(-6.0, 6.0))
+    start = (rng.uniform(0.4, 1.2) + 0.04) * towards
+    return start, start + 0.5 * (np.cos(tilt) * aside / np.linalg.norm(aside) + np.sin(tilt) * towards)
+
+
+def test_an_end_off_the_axis_is_as_loud_as_the_kirchhoff_integral(device):
+    rng, wave_number = np.random.default_rng(13), 2 * np.pi * FREQUENCY / device.speed
+    # the next order of the stationary phase on the cap
+    left_out = 1 / (2 * wave_number * 0.04)
+    for _ in range(40):
+        start, end = end_on(rng)
+        seen = ping(capsule_1_start=start, capsule_1_end=end, capsule_1_radius=0.04, threshold=-150.0)
+        true = device.level(kirchhoff(device, *capsule_surface(start, end, 0.04)))
+        assert abs(10 ** ((seen["level"] - true) / 20) - 1) < left_out
+
+
 def test_boxes_that_turn_a_face_agree_with_the_kirchhoff_integral(device):
     rng, heard, least = np.random.default_rng(11), 0, 10 ** (device.threshold / 20)
     for _ in range(120):
