@@ -15,13 +15,7 @@
 #define ARM_SKIN_MOTION_H
 
 #include "equations.h"
-
-/* Into a caller that is compiled for wider vectors. */
-#if defined(__GNUC__)
-#define INLINED static inline __attribute__((always_inline))
-#else
-#define INLINED static inline
-#endif
+#include "instruction_sets.h"
 
 typedef struct Float3 {
     float x, y, z;

@@ -1,6 +1,7 @@
 /* HingedBody: the checks and the step. */
 #include "unit.h"
 #include "internal_steps.h"
+#include "mechanics_checks.h"
 #include "equations.h"
 #include "solvers.c"
 #include "taylor.c"
@@ -9,23 +10,8 @@
 
 static Status hinged_body_check(const HingedBody *body, Log *log)
 {
-    double length = norm(body->axis);
-    if (fabs(length - 1.0) > 1e-9) {
-        return report(log, STATUS_ERROR,
-                      "axis = [%g, %g, %g] has length %.12g; allowed range: 1 within 1e-9, divide it by its length",
-                      body->axis.x, body->axis.y, body->axis.z, length);
-    }
-    /* No mass distribution has one principal moment larger than the other two together. */
-    const double moments[3] = {body->inertia.x, body->inertia.y, body->inertia.z};
-    for (int i = 0; i < 3; i++) {
-        double others = moments[(i + 1) % 3] + moments[(i + 2) % 3];
-        if (moments[i] > others * (1.0 + 1e-9)) {
-            return report(log, STATUS_ERROR,
-                          "inertia[%d] = %g kg.m2 is more than the other two principal moments together (%g); "
-                          "allowed range: at most their sum", i + 1, moments[i], others);
-        }
-    }
-    return STATUS_OK;
+    Status status = check_axis(body->axis, log);
+    return status == STATUS_OK ? check_inertia(body->inertia, log) : status;
 }
 
 /* Whether the anchor turns at any time of the step. */

@@ -1,25 +1,16 @@
 /* RigidBody: the checks and the step. */
 #include "unit.h"
 #include "internal_steps.h"
+#include "mechanics_checks.h"
 #include "equations.h"
 #include "solvers.c"
 #include "geometric.c"
 #include "taylor.c"
 #include "exact.c"
 
-/* No mass distribution has one principal moment larger than the other two together. */
 static Status rigid_body_check(const RigidBody *body, Log *log)
 {
-    const double moments[3] = {body->inertia.x, body->inertia.y, body->inertia.z};
-    for (int i = 0; i < 3; i++) {
-        double others = moments[(i + 1) % 3] + moments[(i + 2) % 3];
-        if (moments[i] > others * (1.0 + 1e-9)) {
-            return report(log, STATUS_ERROR,
-                          "inertia[%d] = %g kg.m2 is more than the other two principal moments together (%g); "
-                          "allowed range: at most their sum", i + 1, moments[i], others);
-        }
-    }
-    return STATUS_OK;
+    return check_inertia(body->inertia, log);
 }
 
 /* Whether anything turns the body over the coming step. */

@@ -208,7 +208,7 @@ static void hear_surface(const UltrasonicSensor *sensor, const Surroundings *aro
     double over = sensor->capsule_reflection / sensor->threshold_amplitude;
     double farthest = sensor->speed_of_sound * sensor->farthest_time;
     Pass pass = {
-        .find_onsets = widest_find_onsets(),
+        .instruction_set = widest_instruction_set(),
         .sensor = sensor,
         .around = around,
         .pair = &around->pair,

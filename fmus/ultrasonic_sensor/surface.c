@@ -6,11 +6,7 @@
  * the length of the path does to the phase there. Each piece is an onset of the sum in envelope.c; onsets of a
  * short time share a bin, and what a bin adds to C, P and Q after its end is exact.
  */
-#if defined(__GNUC__)
-#define INLINED __attribute__((always_inline)) static inline
-#else
-#define INLINED static inline
-#endif
+#include "instruction_sets.h"
 
 #define LONGEST_PIECE 0.4 /* wavelengths; from .5 on, pieces in a row echo together, off the mirror point too */
 
@@ -44,11 +40,8 @@ typedef struct PieceOnsets {
 } PieceOnsets;
 
 /* What all pieces of a pass share. */
-typedef struct Pass Pass;
-typedef void FindOnsets(const Pass *pass, const Pieces *restrict pieces, PieceOnsets *restrict onsets);
-
-struct Pass {
-    FindOnsets *find_onsets; /* the quickest this processor knows */
+typedef struct Pass {
+    int instruction_set; /* the widest of this processor */
     const UltrasonicSensor *sensor;
     const Surroundings *around;
     const Transceiver *pair;
@@ -56,7 +49,7 @@ struct Pass {
     double longest_piece; /* m */
     double farthest_square; /* of the range and back, m2 */
     Bins *bins;
-};
+} Pass;
 
 /* 2 J1(x) / x over h = (x / 2)^2, its change with the logarithm of the frequency, and the second one. */
 typedef struct Beam {
@@ -180,40 +173,9 @@ INLINED void onsets_of_pieces(const Pass *pass, const Pieces *restrict pieces, P
     }
 }
 
-static void find_onsets(const Pass *pass, const Pieces *restrict pieces, PieceOnsets *restrict onsets)
-{
-    onsets_of_pieces(pass, pieces, onsets);
-}
-
-/* The same operations, four or eight pieces at a time: the same result to the bit. */
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(ULNA_PLAIN)
-#if defined(__clang__)
-#define WIDEST "avx512f,avx512vl,avx512dq"
-#else
-#define WIDEST "avx512f,avx512vl,avx512dq,prefer-vector-width=512"
-#endif
-
-__attribute__((target("avx2"))) static void find_onsets_avx2(const Pass *pass, const Pieces *restrict pieces, PieceOnsets *restrict onsets)
-{
-    onsets_of_pieces(pass, pieces, onsets);
-}
-
-__attribute__((target(WIDEST))) static void find_onsets_avx512(const Pass *pass, const Pieces *restrict pieces, PieceOnsets *restrict onsets)
-{
-    onsets_of_pieces(pass, pieces, onsets);
-}
-
-static FindOnsets *widest_find_onsets(void)
-{
-    bool wide = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq");
-    return wide ? find_onsets_avx512 : __builtin_cpu_supports("avx2") ? find_onsets_avx2 : find_onsets;
-}
-#else
-static FindOnsets *widest_find_onsets(void)
-{
-    return find_onsets;
-}
-#endif
+/* The same operations, four or eight pieces at a time. */
+IN_EVERY_INSTRUCTION_SET(find_onsets, (const Pass *pass, const Pieces *restrict pieces, PieceOnsets *restrict onsets),
+                         onsets_of_pieces(pass, pieces, onsets))
 
 static int least(int a, int b)
 {
@@ -238,7 +200,7 @@ static void hear_pieces(const Pass *pass, Pieces *pieces)
 {
     Bins *bins = pass->bins;
     PieceOnsets onsets;
-    pass->find_onsets(pass, pieces, &onsets);
+    find_onsets[pass->instruction_set](pass, pieces, &onsets);
     for (int i = 0; i < pieces->count; i++) {
         int k = onsets.bin[i];
         if (k >= bins->until) {

@@ -1,5 +1,4 @@
-"""Closed triangle meshes of round bodies: vertices [n, 3] in m, unit normals [n, 3], triangles [m, 3], counterclockwise
-from outside."""
+"""Triangle meshes of capsules, spheres, boxes and rectangles, counterclockwise from outside, with normals."""
 
 from dataclasses import dataclass
 
@@ -16,12 +15,6 @@ class Mesh:
     vertices: Array
     normals: Array
     triangles: NDArray[np.int32]
-
-    @property
-    def longest_edge(self) -> float:
-        """In m."""
-        corners = self.vertices[self.triangles]
-        return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max())
 
     def inputs(self, normals: bool = True) -> dict[str, object]:
         """As UltrasonicSensor takes it, the size first; without its normals the triangles are flat."""
@@ -52,20 +45,21 @@ def rings_mesh(start: Array, axis: Array, profile: Array, centers: Array, around
     counts = [1, *[around] * rings, 1]
     normals = vertices - np.repeat(centers, counts)[:, None] * axis
     normals /= np.linalg.norm(normals, axis=1)[:, None]
-    return Mesh(start + vertices, normals, np.array(ring_triangles(rings, around), np.int32))
+    return Mesh(start + vertices, normals, ring_triangles(rings, around))
 
 
-def ring_triangles(rings: int, around: int) -> list[tuple[int, int, int]]:
-    """Between two poles, the first vertex and the last, and the rings in between."""
+def ring_triangles(rings: int, around: int) -> NDArray[np.int32]:
+    """Between two poles, the first vertex and the last, and the rings in between: [2 rings around, 3]."""
     last = rings * around + 1
-    rows = []
-    for j in range(around):
-        after = (j + 1) % around
-        rows += [(0, 1 + after, 1 + j), (last, last - around + j, last - around + after)]
-        for ring in range(rings - 1):
-            a, b, c, d = (1 + r * around + i for r in (ring, ring + 1) for i in (j, after))
-            rows += [(a, b, c), (b, d, c)] if ring % 2 == 0 else [(a, d, c), (a, b, d)]
-    return rows
+    here, ring = np.arange(around), np.arange(rings - 1)[:, None]
+    after, turned = (here + 1) % around, ring % 2 == 1
+    a, b, c, d = (1 + r * around + i for r in (ring, ring + 1) for i in (here, after))
+    strips = [(a, np.where(turned, d, b), c), (np.where(turned, a, b), np.where(turned, b, d), np.where(turned, d, c))]
+    poles = [
+        (np.full(around, 0), 1 + after, 1 + here),
+        (np.full(around, last), last - around + here, last - around + after),
+    ]
+    return np.concatenate([np.stack(corners, axis=-1).reshape(-1, 3) for corners in poles + strips]).astype(np.int32)
 
 
 def capsule_mesh(start: Array, end: Array, radius: float, edge: float) -> Mesh:
@@ -96,3 +90,25 @@ def plate_mesh(center: Array, sides: tuple[Array, Array], edge: float) -> Mesh:
     normal = np.cross(*sides)
     normals = np.tile(normal / np.linalg.norm(normal), (len(vertices), 1))
     return Mesh(vertices, normals, triangles.astype(np.int32))
+
+
+def box_mesh(center: Array, axes: Array, size: Array, edge: float) -> Mesh:
+    """A box, its axes as rows of `axes`, its edges as in `size`; each face by itself."""
+    edges = axes * np.reshape(size, (3, 1))
+    faces = []
+    for i in range(3):
+        for sign in (-1.0, 1.0):
+            sides = sign * edges[(i + 1) % 3], edges[(i + 2) % 3]
+            faces.append(plate_mesh(center + sign * edges[i] / 2, sides, edge))
+    return joined(*faces)
+
+
+def joined(*meshes: Mesh) -> Mesh:
+    """Several as one."""
+    first = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
+    triangles = [mesh.triangles + start for mesh, start in zip(meshes, first, strict=False)]
+    return Mesh(
+        np.concatenate([mesh.vertices for mesh in meshes]),
+        np.concatenate([mesh.normals for mesh in meshes]),
+        np.concatenate(triangles).astype(np.int32),
+    )

@@ -1,8 +1,7 @@
 /* FMI 3.0.2, the lists of allowed calls of each state in sections 2.3, 3.2 and 4.2. */
 #include "fmi3Functions.h"
 
-#include "check.h"
-#include "pick.h"
+#include "calls.h"
 
 #include <math.h>
 
@@ -38,61 +37,10 @@ static int update_discrete_states(Slave *slave)
     return (int)fmi3UpdateDiscreteStates(slave->instance, &flags[0], &flags[1], &flags[2], &flags[3], &flags[4], &next);
 }
 
-static int set_time(Slave *slave)
-{
-    return slave_set_time(slave, 0.0);
-}
-
-static int set_states(Slave *slave)
-{
-    double states[MAX_STATES];
-    for (size_t i = 0; i < MAX_STATES; i++) {
-        states[i] = 0.5;
-    }
-    return slave_set_states(slave, states, subject()->state_count);
-}
-
-static int get_states(Slave *slave)
-{
-    double states[MAX_STATES];
-    return slave_get_states(slave, states, subject()->state_count);
-}
-
-static int get_derivatives(Slave *slave)
-{
-    double states[MAX_STATES];
-    return slave_get_derivatives(slave, states, subject()->state_count);
-}
-
 static int get_nominals(Slave *slave)
 {
     double nominals[MAX_STATES];
     return (int)fmi3GetNominalsOfContinuousStates(slave->instance, nominals, subject()->state_count);
-}
-
-static int do_step(Slave *slave)
-{
-    return slave_step(slave, 0.0, 0.01);
-}
-
-static int get_output(Slave *slave)
-{
-    double values[MAX_ELEMENTS];
-    return slave_get(slave, pick(FLOAT64, OUTPUT, -1), values);
-}
-
-static int set_input(Slave *slave)
-{
-    double values[MAX_ELEMENTS] = {0};
-    return slave_set(slave, pick(FLOAT64, INPUT, CONTINUOUS), values);
-}
-
-static int set_fixed_parameter(Slave *slave)
-{
-    double values[MAX_ELEMENTS];
-    const Variable *parameter = pick(FLOAT64, PARAMETER, FIXED);
-    int status = slave_get(slave, parameter, values);
-    return status == OK ? slave_set(slave, parameter, values) : status;
 }
 
 /* Of a unit without clocks: of none. */

@@ -8,9 +8,10 @@ import pytest
 from test_ultrasonic_sensor_echo import BLIND, PITCHED, forearm
 from test_ultrasonic_sensor_surface import FINE, FOREARM, WAVELENGTH, facing, heard
 from ultrasonic_sensor_read import default_device, ping
-from ultrasonic_sensor_truth import Mesh, capsule_mesh, capsule_surface, kirchhoff, plate_mesh, rigid_sphere
+from ultrasonic_sensor_truth import Mesh, capsule_mesh, capsule_surface, joined, kirchhoff, plate_mesh, rigid_sphere
 
 from ulna import Slave, UnitError
+from ulna.charts.skin_kernel import levels
 from ulna.checks.hunt import compile_sources
 from ulna.generate.package import write_fmu
 from ulna.paths import fmu
@@ -20,17 +21,6 @@ ARM = capsule_mesh(START, END, FOREARM, FINE * WAVELENGTH)
 CAPSULE = {"capsule_1_start": START, "capsule_1_end": END, "capsule_1_radius": FOREARM}
 WALL = {"plane_point": [1.0, 0.0, 0.0], "plane_normal": [-1.0, 0.0, 0.0]}
 SURFACE = {"fidelity": "surface"} | ARM.inputs()
-
-
-def joined(*meshes: Mesh) -> Mesh:
-    """Several as one."""
-    first = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
-    triangles = [mesh.triangles + start for mesh, start in zip(meshes, first, strict=False)]
-    return Mesh(
-        np.concatenate([mesh.vertices for mesh in meshes]),
-        np.concatenate([mesh.normals for mesh in meshes]),
-        np.concatenate(triangles),
-    )
 
 
 # What is summed
@@ -145,14 +135,14 @@ def test_unused_rows_and_a_mesh_that_faces_away_are_nothing():
 # Why long edges are cut
 
 
-def rebuilt(folder: Path, old: str, new: str) -> Path:
-    """An FMU of the sensor with one text of surface.c replaced, compiled without optimization."""
+def rebuilt(folder: Path, old: str, new: str, optimization: str = "-O0") -> Path:
+    """An FMU of the sensor with one text of surface.c replaced."""
     shutil.unpack_archive(fmu("UltrasonicSensor"), folder / "all", "zip")
     source = folder / "all" / "sources" / "surface.c"
     text = source.read_text()
     assert text.count(old) == 1
     source.write_text(text.replace(old, new))
-    compile_sources("UltrasonicSensor", "3.0", folder / "all")
+    compile_sources("UltrasonicSensor", "3.0", folder / "all", optimization)
     path = folder / "UltrasonicSensor.fmu"
     files = {p.relative_to(folder / "all").as_posix(): p for p in (folder / "all").rglob("*") if p.is_file()}
     write_fmu(path, {name: p.read_bytes() for name, p in files.items()})
@@ -189,10 +179,13 @@ def test_without_cuts_a_coarse_mesh_gives_false_echoes(uncut):
     assert false > silent / 2
 
 
-def test_one_piece_at_a_time_gives_the_same_bits(tmp_path):
-    plain = rebuilt(tmp_path, "#if defined(__x86_64__) && defined(__GNUC__) && !defined(ULNA_PLAIN)", "#if 0")
-    for mesh in (ARM, capsule_mesh(START, END, FOREARM, 1.5 * WAVELENGTH)):
-        assert heard_by(plain, mesh) == heard_by("UltrasonicSensor", mesh)
+def test_instruction_sets_give_the_same_bits(tmp_path):
+    """All that this processor has: the FMU itself takes the widest."""
+    meshes = (ARM, capsule_mesh(START, END, FOREARM, 1.5 * WAVELENGTH))
+    expected = [heard_by("UltrasonicSensor", mesh) for mesh in meshes]
+    for level, name in enumerate(levels()[:-1]):
+        narrow = rebuilt(tmp_path / name, "find_onsets[pass->instruction_set]", f"find_onsets[{level}]", "-O3")
+        assert [heard_by(narrow, mesh) for mesh in meshes] == expected, name
 
 
 # What is refused

@@ -8,4 +8,4 @@ Agreement, Device = hearing.Agreement, hearing.Device
 image_source, rigid_sphere, kirchhoff = echoes.image_source, echoes.rigid_sphere, echoes.kirchhoff
 box_surface, capsule_surface = surfaces.box_surface, surfaces.capsule_surface
 rectangle_surface = surfaces.rectangle_surface
-Mesh, capsule_mesh, plate_mesh = meshes.Mesh, meshes.capsule_mesh, meshes.plate_mesh
+Mesh, capsule_mesh, plate_mesh, joined = meshes.Mesh, meshes.capsule_mesh, meshes.plate_mesh, meshes.joined

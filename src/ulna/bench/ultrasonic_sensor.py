@@ -1,6 +1,6 @@
 """UltrasonicSensor: what a ping costs at each fidelity, how exact its distance is, and how far it hears."""
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Iterable
 from functools import partial
 
 import numpy as np
@@ -138,9 +138,15 @@ def skin(vertices: int) -> tuple[dict, int]:
     with started("ArmSkin", **values) as arm:
         mesh = {name: arm.get(name) for name in ("vertices", "triangles", "normals")}
     corners = np.float64(mesh["vertices"].T)[mesh["triangles"].reshape(-1, 3)]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    lit = int(np.sum(np.sum(normals * corners[:, 0], axis=1) < 0))
-    return {"surface_vertex_count": vertices} | {f"surface_{name}": value for name, value in mesh.items()}, lit
+    inputs = {"surface_vertex_count": vertices} | {f"surface_{name}": value for name, value in mesh.items()}
+    return inputs, lit_triangles(corners, np.zeros((1, 3)))
+
+
+def lit_triangles(corners: np.ndarray, ears: Iterable[np.ndarray]) -> int:
+    """How many triangles [m, 3, 3], m, counterclockwise from outside, all ears are outside of."""
+    first, second, third = np.moveaxis(corners, 1, 0)
+    normals = np.cross(second - first, third - first)
+    return int(np.sum(np.all([np.sum(normals * (ear - first), axis=1) > 0 for ear in ears], axis=0)))
 
 
 def mujoco_rays_at_meshes(meshes: dict[int, dict]) -> dict[Hashable, Callable[[], None]]:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..bench.measuring import choices, repeated_step, side_by_side, started
-from ..bench.ultrasonic_sensor import PERIOD, PINGS, REACH, SEVERAL, TARGETS
+from ..bench.ultrasonic_sensor import PERIOD, PINGS, REACH, SEVERAL, TARGETS, lit_triangles
 from .sensor_peers import Rays, rays
 from .sensor_truths import FOREARM_LENGTH, FOREARM_RADIUS, TRUTHS, WALL, Pose, capsule_at, device
 
@@ -91,9 +91,9 @@ def posed(fidelity: str, pose: Pose, **settings: Any) -> Any:
     """A sensor before a pose, initialized; nothing is rounded. `surface` gets a mesh, `automatic` beside a capsule."""
     values = pose.inputs
     if pose.mesh and fidelity == "surface":
-        values = pose.mesh().inputs | pose.behind
+        values = pose.mesh().inputs() | pose.behind
     elif pose.mesh and fidelity == "automatic" and "capsule_1_radius" in pose.inputs:
-        values = pose.mesh().inputs | pose.inputs
+        values = pose.mesh().inputs() | pose.inputs
     return started("UltrasonicSensor", **values, fidelity=fidelity, resolution=0.0, **settings)
 
 
@@ -184,7 +184,7 @@ def facing_pose() -> Pose:
 def facing_arm() -> Surface:
     """Its mesh, not timed."""
     mesh = facing_pose().mesh()
-    return Surface(len(mesh.vertices), mesh.lit(device().ears), 0.0)
+    return Surface(len(mesh.vertices), lit_triangles(mesh.vertices[mesh.triangles], device().ears), 0.0)
 
 
 def many_pings(make: Callable[[], Any], period: float) -> tuple[int, Callable[[], None]]:

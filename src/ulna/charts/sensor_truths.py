@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,13 +10,14 @@ from numpy.typing import NDArray
 
 from ..bench.measuring import started
 from ..checks.textbook import load_model
-from . import sensor_meshes as meshes
 
 Array = NDArray[np.float64]
 FOREARM_LENGTH, FOREARM_RADIUS = 0.25, 0.04  # m
 CLEAR = 0.05  # m, between sensor and forearm
 NEAREST, FARTHEST = 0.02, 4.0  # m, the sensor's range
 WALL = "wall"  # in the name of a truth that has one behind
+EDGE = 3.3e-3  # m: no edge of a round body's mesh is longer than 1.03 of it, .4 wavelength
+PARTS = ("hearing", "echoes", "surfaces", "meshes")  # of the textbook
 LAST_PEAK = 4e-4  # s: an echo that arrives in time is waited for until it is loudest
 
 
@@ -28,19 +28,19 @@ class Pose:
     inputs: dict[str, Any]
     spectrum: Callable[[Any], NDArray[np.complex128]]
     """Of the device of `models/ultrasonic_sensor/hearing.py`."""
-    mesh: Callable[[], meshes.TriangleMesh] | None = None
-    """Of the body; None where it has none."""
+    mesh: Callable[[], Any] | None = None
+    """Of the body, a Mesh of `models/ultrasonic_sensor/meshes.py`; None where it has none."""
     behind: dict[str, Any] = field(default_factory=dict)
     """Those of the inputs that the mesh does not stand for: a wall's."""
 
 
 def theory() -> SimpleNamespace:
-    """The modules `hearing`, `echoes` and `surfaces` of the textbook.
+    """The modules `hearing`, `echoes`, `surfaces` and `meshes` of the textbook.
 
     Raises ModuleNotFoundError, with what installs it, without CasADi or SciPy.
     """
     try:
-        parts = {name: load_model(f"ultrasonic_sensor.{name}") for name in ("hearing", "echoes", "surfaces")}
+        parts = {name: load_model(f"ultrasonic_sensor.{name}") for name in PARTS}
     except ModuleNotFoundError as error:
         message = f"the truths of the sensor need {error.name}: pip install 'ulna[peers]' brings CasADi and SciPy"
         raise ModuleNotFoundError(message, name=error.name) from None
@@ -89,8 +89,7 @@ def sphere_at(distance: float, towards: Array, radius: float) -> Pose:
     """With its surface at a distance."""
     center = (distance + radius) * towards
     inputs = {"sphere_center": center, "sphere_radius": radius}
-    mesh = partial(meshes.sphere, center, radius)
-    return Pose(inputs, lambda d: theory().echoes.rigid_sphere(d, center, radius), mesh)
+    return Pose(inputs, lambda d: theory().echoes.rigid_sphere(d, center, radius), _capsule(center, center, radius))
 
 
 def forearm(rng: np.random.Generator) -> Pose:
@@ -110,7 +109,11 @@ def capsule_at(start: Array, end: Array, radius: float) -> Pose:
         return theory().echoes.kirchhoff(d, *theory().surfaces.capsule_surface(start, end, radius))
 
     inputs = {"capsule_1_start": start, "capsule_1_end": end, "capsule_1_radius": radius}
-    return Pose(inputs, spectrum, partial(meshes.capsule, start, end, radius))
+    return Pose(inputs, spectrum, _capsule(start, end, radius))
+
+
+def _capsule(start: Array, end: Array, radius: float) -> Callable[[], Any]:
+    return lambda: theory().meshes.capsule_mesh(start, end, radius, EDGE)
 
 
 def box(rng: np.random.Generator) -> Pose:
@@ -125,7 +128,7 @@ def box(rng: np.random.Generator) -> Pose:
         return theory().echoes.kirchhoff(d, *theory().surfaces.box_surface(center, axes, size, d.ears))
 
     inputs = {"box_center": center, "box_orientation": turn, "box_size": size}
-    return Pose(inputs, spectrum, partial(meshes.box, center, axes, size))
+    return Pose(inputs, spectrum, lambda: theory().meshes.box_mesh(center, axes, size, EDGE))
 
 
 def before_a_wall(

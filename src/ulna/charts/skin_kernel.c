@@ -104,42 +104,13 @@ INLINED void move_any(int read, const float *source, size_t n, float *out)
     }
 }
 
-typedef void Move(int read, const float *source, size_t n, float *out);
+IN_EVERY_INSTRUCTION_SET(move, (int read, const float *source, size_t n, float *out), move_any(read, source, n, out))
 
-static void move_plain(int read, const float *source, size_t n, float *out)
-{
-    move_any(read, source, n, out);
-}
-
-#if defined(WIDEST)
-__attribute__((target("avx2"))) static void move_avx2(int read, const float *source, size_t n, float *out)
-{
-    move_any(read, source, n, out);
-}
-
-__attribute__((target(WIDEST))) static void move_avx512(int read, const float *source, size_t n, float *out)
-{
-    move_any(read, source, n, out);
-}
-
-static Deform *const deforms[] = {deform_plain, deform_avx2, deform_avx512};
-static Move *const moves[] = {move_plain, move_avx2, move_avx512};
-
-/* How many of the instruction sets the processor has: plain, AVX2, AVX-512. */
+/* How many of the instruction sets binary and processor have: plain, AVX2, AVX-512. */
 int kernel_levels(void)
 {
-    Deform *widest = widest_deform();
-    return widest == deform_avx512 ? 3 : widest == deform_avx2 ? 2 : 1;
+    return widest_instruction_set() + 1;
 }
-#else
-static Deform *const deforms[] = {deform_plain};
-static Move *const moves[] = {move_plain};
-
-int kernel_levels(void)
-{
-    return 1;
-}
-#endif
 
 static void deform_once(const Kernel *kernel, int level, SkinRow row, float *out)
 {
@@ -147,7 +118,7 @@ static void deform_once(const Kernel *kernel, int level, SkinRow row, float *out
     ArmMotion pose = arm_skin_motion(skin);
     Skinning skinning = arm_skin_skinning(skin, kernel->mesh, pose.bend);
     SkinMotion motion = skin_motion_of(skin, pose.bend, skinning.widening, pose.spread);
-    deforms[level](skin->method, row, &motion, kernel->mesh, out);
+    deform[level](skin->method, row, &motion, kernel->mesh, out);
 }
 
 long kernel_vertices(const Kernel *kernel)
@@ -180,7 +151,7 @@ double move_seconds(const Kernel *kernel, int level, int read, float *out, long 
 {
     double start = now();
     for (long k = 0; k < count; k++) {
-        moves[level](read, kernel->source, (size_t)kernel->skin.vertex_count, out);
+        move[level](read, kernel->source, (size_t)kernel->skin.vertex_count, out);
     }
     return now() - start;
 }

@@ -110,13 +110,13 @@ def _as_built(mutant: Mutant, version: str, folder: Path) -> Iterator[Row]:
     yield from steps_as_built(mutant.unit, path, cases_of(sources, model))
 
 
-def compile_sources(unit: str, version: str, folder: Path) -> None:
+def compile_sources(unit: str, version: str, folder: Path, optimization: str = "-O0") -> None:
     """Compiles an extracted FMU's sources in place of its binary; raises RuntimeError with the compiler's message."""
     sources = folder / "sources"
     binary = next((folder / "binaries" / platform_folder(int(version[0]))).glob(f"{unit}.*"))
     headers = Path(fmpy.__file__).parent / "c-code"
     files = [name for name in ("fmu.c", "complex.c") if (sources / name).is_file()]
-    command = [c_compiler(), "-std=c11", "-O0", "-w", "-shared", "-fPIC", "-ffp-contract=off", f"-I{headers}"]
+    command = [c_compiler(), "-std=c11", optimization, "-w", "-shared", "-fPIC", "-ffp-contract=off", f"-I{headers}"]
     command += [f"-DFMI{version[0]}_OVERRIDE_FUNCTION_PREFIX=", f"-I{sources}", *files, "-o", str(binary), "-lm"]
     done = subprocess.run(command, cwd=sources, capture_output=True, text=True, check=False)
     if done.returncode:

@@ -33,7 +33,10 @@ CAUSALITIES = {
     "memory": "MEMORY",
 }
 CORE = ("log.c", "resources.c", "life_cycle.c", "access.c", "state.c", "stepping.c", "sensitivity.c")
-HEADERS = ("unit.h", "variable.h", "vector.h", "instance.h", "internal_steps.h", "complex_step.h")
+HEADERS = (
+    *("unit.h", "variable.h", "vector.h", "instance.h", "internal_steps.h", "complex_step.h"),
+    *("instruction_sets.h", "mechanics_checks.h"),
+)
 INTERFACE = {
     2: ("access_scalars.c", "fmi2.c", "fmi2_modes.c"),
     3: ("access_arrays.c", "sensitivity_adjoint.c", "fmi3.c", "fmi3_access.c", "fmi3_modes.c", "fmi3_clocks.c"),

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -20,6 +19,7 @@ from .hinges import SLENDERNESS
 from .mobility import settling_mass_ratio
 from .oscillator import theory_of
 from .picture import name
+from .verdict_map import draw_cells
 
 VERDICTS = {"accurate": "#a8d5a2", "bounded": "#f3d48b", "neither": "#e8a49c", "did not settle": "#b9b3c9"}
 TITLES = {
@@ -69,23 +69,10 @@ def _legend(ax: Axes) -> None:
     ax.legend(handles=handles, loc="center", ncols=4, frameon=False, fontsize=10)
 
 
-def _edges(middles: np.ndarray) -> np.ndarray:
-    """Of cells on a logarithmic axis."""
-    logs = np.log(middles)
-    half = 0.5 * (logs[1] - logs[0])
-    return np.exp(np.append(logs - half, logs[-1] + half))
-
-
 def _map(ax: Axes, found: dict[str, Any], master: str, upper: bool, left: bool) -> None:
     """Cells by verdict, and the borders that theory sees."""
     cells = [row for row in found["cells"] if row["master"] == master]
-    zs, zetas = (np.unique([row[key] for row in cells]) for key in ("z", "zeta"))
-    kinds = list(VERDICTS)
-    numbers = np.full((len(zetas), len(zs)), np.nan)
-    for row in cells:
-        numbers[np.searchsorted(zetas, row["zeta"]), np.searchsorted(zs, row["z"])] = kinds.index(row["verdict"])
-    colors = ListedColormap(list(VERDICTS.values()))
-    ax.pcolormesh(_edges(zs), _edges(zetas), numbers, cmap=colors, vmin=-0.5, vmax=len(kinds) - 0.5, linewidth=0)
+    draw_cells(ax, cells, "z", "zeta", VERDICTS, log=True)
     borders = [row for row in found["borders"] if row["master"] == master]
     heights = [row["zeta"] for row in borders]
     ax.plot([row["stable"] for row in borders], heights, color="black", linewidth=2)

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from ..bench.measuring import choices, started
-from ..charts.sensor_meshes import capsule
+from ..charts.sensor_truths import EDGE
+from ..charts.sensor_truths import theory as textbook
 from ..slave import Slave
 from . import sensor_theory as theory
 
@@ -98,13 +99,14 @@ def before(fidelity: str, target: str) -> tuple[Ears, Callable[[float, float], d
     half = {"sphere": 0.0, "forearm": ARM_LENGTH / 2}.get(target)
     if half is None or fidelity not in ("surface", "automatic") or (fidelity, target) == ("automatic", "sphere"):
         return Ears(fidelity), made
-    mesh = capsule(np.array([0.0, -half, 0.0]), np.array([0.0, half, 0.0]), radius)
+    ends = np.array([0.0, -half, 0.0]), np.array([0.0, half, 0.0])
+    mesh = textbook().meshes.capsule_mesh(*ends, radius, EDGE)
 
     def placed(distance: float, aside: float) -> dict[str, Any]:
-        moved = {"surface_vertices": mesh.moved((distance + radius) * direction(aside)).vertices.T}
+        moved = {"surface_vertices": (mesh.vertices + (distance + radius) * direction(aside)).T}
         return moved if fidelity == "surface" else moved | made(distance, aside)
 
-    return Ears(fidelity, **mesh.inputs), placed
+    return Ears(fidelity, **mesh.inputs()), placed
 
 
 def measure_sensor(quick: bool = False) -> dict[str, Any]:

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -32,6 +31,7 @@ from .sensor_measuring import (
     pair,
     place,
 )
+from .verdict_map import draw_cells
 
 VERDICTS = {
     "right": "#a8d5a2",
@@ -97,12 +97,6 @@ def _legend(ax: Axes) -> None:
     ax.legend(handles=handles, loc="center", ncols=6, frameon=False, fontsize=10.5, handlelength=1.4, columnspacing=1.4)
 
 
-def _edges(middles: np.ndarray) -> np.ndarray:
-    """Of cells on a linear axis."""
-    half = 0.5 * (middles[1] - middles[0])
-    return np.append(middles - half, middles[-1] + half)
-
-
 def _map(ax: Axes, found: dict[str, Any], fidelity: str, target: str) -> None:
     """Cells by verdict, and the border of theory."""
     cells = [row for row in found["cells"] if (row["fidelity"], row["target"]) == (fidelity, target)]
@@ -110,15 +104,7 @@ def _map(ax: Axes, found: dict[str, Any], fidelity: str, target: str) -> None:
         ax.text(0.5, 0.5, "no mesh\nis endless", transform=ax.transAxes, ha="center", va="center", color="#777777")
         ax.set(xticks=[], yticks=[])
         return
-    asides, ranges = (np.unique([row[key] for row in cells]) for key in ("aside", "range"))
-    kinds = list(VERDICTS)
-    numbers = np.full((len(ranges), len(asides)), np.nan)
-    for row in cells:
-        numbers[np.searchsorted(ranges, row["range"]), np.searchsorted(asides, row["aside"])] = kinds.index(
-            row["verdict"]
-        )
-    colors = ListedColormap(list(VERDICTS.values()))
-    ax.pcolormesh(_edges(asides), _edges(ranges), numbers, cmap=colors, vmin=-0.5, vmax=len(kinds) - 0.5, linewidth=0)
+    asides, ranges = draw_cells(ax, cells, "aside", "range", VERDICTS)
     x, y = np.linspace(0.0, asides[-1], 160), np.linspace(ranges[0], ranges[-1], 160)
     ax.contour(x, y, _levels_on(target, x, y), levels=[THRESHOLD], colors="black", linewidths=1.8)
     ax.set(xlim=(0, asides[-1]), ylim=(ranges[0], ranges[-1]))

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -17,6 +16,7 @@ from ..pictures import save
 from . import skin_theory as theory
 from .picture import name
 from .skin_measuring import COLLAPSED, FOLLOWED, LARGEST, SHORTER, TORN, WIDTH
+from .verdict_map import draw_cells
 
 VERDICTS = {
     "sound": "#a8d5a2",
@@ -72,23 +72,10 @@ def _legend(ax: Axes) -> None:
     ax.legend(handles=handles, loc="center", ncols=4, frameon=False, fontsize=10.5)
 
 
-def _edges(middles: np.ndarray) -> np.ndarray:
-    """Of cells on a linear axis."""
-    half = 0.5 * (middles[1] - middles[0])
-    return np.append(middles - half, middles[-1] + half)
-
-
 def _map(ax: Axes, found: dict[str, Any], method: str, bend: str) -> None:
     """Cells by verdict, and the borders that theory sees."""
     cells = [row for row in found["cells"] if (row["method"], row["bend"]) == (method, bend)]
-    angles, ratios = (np.unique([row[key] for row in cells]) for key in ("angle", "ratio"))
-    kinds = list(VERDICTS)
-    numbers = np.full((len(ratios), len(angles)), np.nan)
-    for row in cells:
-        place = np.searchsorted(ratios, row["ratio"]), np.searchsorted(angles, row["angle"])
-        numbers[place] = kinds.index(row["verdict"])
-    colors = ListedColormap(list(VERDICTS.values()))
-    ax.pcolormesh(_edges(angles), _edges(ratios), numbers, cmap=colors, vmin=-0.5, vmax=len(kinds) - 0.5, linewidth=0)
+    _, ratios = draw_cells(ax, cells, "angle", "ratio", VERDICTS)
     if bend == "flexion":
         folds = [row for row in found["folds"] if row["method"] == method]
         smooth = [row for row in folds if not row["closed_form"]]

@@ -1,22 +1,25 @@
-"""Meshes of the sensor's chart: closed, outside out, fine, and of the area and volume of what they stand for."""
+"""Meshes of models/ultrasonic_sensor/meshes.py: closed, outside out, fine, of the area and volume of their bodies."""
 
 import numpy as np
 import pytest
 
-from ulna.charts.sensor_meshes import SPACING, box, capsule, rectangle, sphere
+from ulna.bench.ultrasonic_sensor import lit_triangles
+from ulna.checks.textbook import load_model
 
-EDGE = 0.4 * 343.2 / 40000.0  # m: .4 wavelength
+MODEL = load_model("ultrasonic_sensor.meshes")
+EDGE = 3.3e-3  # m
 AXES = np.array([[0.8, 0.6, 0.0], [-0.6, 0.8, 0.0], [0.0, 0.0, 1.0]])
 START, END = np.array([1.0, 0.2, -0.1]), np.array([1.1, 0.0, 0.1])
+BOX = np.array([0.05, 0.1, 0.07])  # m
 LENGTH = 0.3  # m, of the capsule's axis
 MESHES = {
-    "sphere": (sphere(START, 0.07), 4 * np.pi * 0.07**2, 4 / 3 * np.pi * 0.07**3),
+    "sphere": (MODEL.capsule_mesh(START, START, 0.07, EDGE), 4 * np.pi * 0.07**2, 4 / 3 * np.pi * 0.07**3),
     "capsule": (
-        capsule(START, END, 0.04),
+        MODEL.capsule_mesh(START, END, 0.04, EDGE),
         2 * np.pi * 0.04 * (LENGTH + 2 * 0.04),
         np.pi * 0.04**2 * (LENGTH + 4 / 3 * 0.04),
     ),
-    "box": (box(START, AXES, np.array([0.05, 0.1, 0.07])), 2 * (0.005 + 0.0035 + 0.007), 0.05 * 0.1 * 0.07),
+    "box": (MODEL.box_mesh(START, AXES, BOX, EDGE), 2 * (0.005 + 0.0035 + 0.007), 0.05 * 0.1 * 0.07),
 }
 
 
@@ -25,14 +28,13 @@ def test_area_and_volume_are_those_of_the_body_and_edges_are_short(name):
     mesh, area, volume = MESHES[name]
     a, b, c = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)
     normal = np.cross(b - a, c - a) / 2
-    # chords of SPACING on the least radius, 4 cm, lack 1/24 of its square twice in a section
-    lack = 0.0 if name == "box" else (SPACING / 0.04) ** 2 / 6
+    # chords of EDGE on the least radius, 4 cm, lack 1/24 of its square twice in a section
+    lack = 0.0 if name == "box" else (EDGE / 0.04) ** 2 / 6
     assert area * (1 - lack) <= np.linalg.norm(normal, axis=1).sum() <= area * (1 + 1e-12)
     inside = np.sum(normal * (a - mesh.vertices.mean(axis=0))) / 3
     assert volume * (1 - 2 * lack) <= inside <= volume * (1 + 1e-12), "outside out, too"
-    assert max(np.linalg.norm(edge, axis=1).max() for edge in (b - a, c - b, a - c)) < EDGE * (
-        1.09 if name == "box" else 1
-    )
+    longest = max(np.linalg.norm(edge, axis=1).max() for edge in (b - a, c - b, a - c))
+    assert longest <= EDGE * (np.sqrt(2) if name == "box" else 1.03), "a box has the diagonals of squares"
 
 
 @pytest.mark.parametrize("name", MESHES)
@@ -58,21 +60,23 @@ def test_each_edge_has_a_triangle_on_either_side(name):
     assert len(mesh.triangles) == 2 * len(mesh.vertices) - 4
 
 
-def test_inputs_are_padded_at_vertex_0():
-    mesh = rectangle(np.zeros(3), np.array([0.0, 0.01, 0.0]), np.array([0.0, 0.0, 0.01]), 0.005)
-    inputs = mesh.inputs
+def test_inputs_are_padded_at_vertex_0_and_without_normals_flat():
+    mesh = MODEL.plate_mesh(np.zeros(3), (np.array([0.0, 0.01, 0.0]), np.array([0.0, 0.0, 0.01])), 0.005)
+    inputs = mesh.inputs()
     assert inputs["surface_vertex_count"] == 9
     assert inputs["surface_vertices"].shape == inputs["surface_normals"].shape == (3, 9)
     assert inputs["surface_triangles"].shape == (2, 9, 3)
     rows = inputs["surface_triangles"].reshape(-1, 3)
     np.testing.assert_array_equal(rows[:8], mesh.triangles)
     assert not rows[8:].any()
-    assert mesh.lit((np.array([1.0, 0.0, 0.0]),) * 2) == 8 and mesh.lit((np.array([-1.0, 0.0, 0.0]),) * 2) == 0
+    assert not mesh.inputs(normals=False)["surface_normals"].any()
+    for side, lit in ((1.0, 8), (-1.0, 0)):
+        assert lit_triangles(mesh.vertices[mesh.triangles], [np.array([side, 0.0, 0.0])]) == lit
 
 
 def test_half_of_a_far_sphere_is_lit():
-    mesh = sphere(np.zeros(3), 0.05)
-    lit = mesh.lit((np.array([100.0, 0.01, 0.0]), np.array([100.0, -0.01, 0.0])))
+    mesh = MODEL.capsule_mesh(np.zeros(3), np.zeros(3), 0.05, EDGE)
+    lit = lit_triangles(mesh.vertices[mesh.triangles], (np.array([100.0, 0.01, 0.0]), np.array([100.0, -0.01, 0.0])))
     # but for the triangles at the rim, two to an edge
-    rim = 2 * np.pi * 0.05 / SPACING
+    rim = 2 * np.pi * 0.05 / EDGE
     assert abs(lit - len(mesh.triangles) / 2) < 2 * rim
