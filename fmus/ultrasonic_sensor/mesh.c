@@ -23,21 +23,24 @@ static bool is_open(const Pass *pass, Vector point)
     return before && !hidden && dot(there, there) < pass->farthest_square;
 }
 
+INLINED void put_row(double columns[3][BATCH], int i, Vector row)
+{
+    columns[0][i] = row.x;
+    columns[1][i] = row.y;
+    columns[2][i] = row.z;
+}
+
 /* A piece that both ears see, if it is where they listen. */
-static void add_piece(const Pass *pass, Pieces *pieces, Vector corner, Vector along, Vector across, Vector bulge)
+INLINED void add_piece(const Pass *pass, Pieces *pieces, Vector corner, Vector along, Vector across, Vector bulge)
 {
     if (!is_open(pass, corner)) {
         return;
     }
-    const int i = pieces->count;
-    const Vector rows[] = {corner, along, across, bulge};
-    double (*columns[])[BATCH] = {pieces->corner, pieces->along, pieces->across, pieces->bulge};
-    for (int j = 0; j < 4; j++) {
-        columns[j][0][i] = rows[j].x;
-        columns[j][1][i] = rows[j].y;
-        columns[j][2][i] = rows[j].z;
-    }
-    pieces->count = i + 1;
+    const int i = pieces->count++;
+    put_row(pieces->corner, i, corner);
+    put_row(pieces->along, i, along);
+    put_row(pieces->across, i, across);
+    put_row(pieces->bulge, i, bulge);
     if (pieces->count == BATCH) {
         hear_pieces(pass, pieces);
     }
@@ -169,7 +172,7 @@ static Vector middle_bulge(const Mesh *mesh, const int32_t *corner, const Vector
         n[i] = row_of(mesh->normals, mesh->count, corner[i]);
     }
     double turn = dot(side[0], subtract(n[1], n[0])) + dot(side[1], subtract(n[2], n[1])) + dot(side[2], subtract(n[0], n[2]));
-    return scale(turn / 72.0, add(add(n[0], n[1]), n[2])); /* a third of an eighth, by the mean normal */
+    return scale(1.0 / 72.0 * turn, add(add(n[0], n[1]), n[2])); /* a third of an eighth, by the mean normal */
 }
 
 static void hear_mesh(const Pass *pass, const Mesh *mesh)
