@@ -168,7 +168,7 @@ static Echo echo_of_mesh(const UltrasonicSensor *sensor, const Bins *bins, Liste
         arrival = (crossing - rise_time(sensor, lesser(height, sensor->peak), silence)) / sensor->ring_time;
     }
     double amplitude = sensor->threshold_amplitude * most / sensor->peak;
-    return (Echo){.time = sensor->ring_time * greater(arrival, 0.0), .amplitude = amplitude};
+    return plain_echo(sensor->ring_time * greater(arrival, 0.0), amplitude);
 }
 
 /* The mesh or the echo that weighs most at the crossing. */

@@ -15,21 +15,6 @@
 #define QUICK_SHIFT 1.0   /* above, the envelope may rise and fall more than once */
 #define CLOSE_PEAK 1e-2   /* ring times: what Taylor leaves of the peak is below 1e-6 */
 
-static Phasor scaled(double factor, Phasor a)
-{
-    return (Phasor){factor * a.re, factor * a.im};
-}
-
-static Phasor phasor_quotient(Phasor a, Phasor b)
-{
-    return scaled(1.0 / (b.re * b.re + b.im * b.im), phasor_product(a, (Phasor){b.re, -b.im}));
-}
-
-static double inner_product(Phasor a, Phasor b)
-{
-    return a.re * b.re + a.im * b.im;
-}
-
 /* What the receiver makes of an echo. */
 typedef struct Shift {
     double pace, turn;           /* a, w */

@@ -18,7 +18,9 @@ static void add_late(const UltrasonicSensor *sensor, double emission, Echoes *ec
 {
     for (int i = 0; i < sensor->late_count; i++) {
         const double *late = &sensor->late[LATE_NUMBERS * i];
-        add_echo(echoes, (Echo){late[0] - emission, late[1], late[2], late[3], late[4], late[5], false});
+        Phasor strength = {late[1], late[2]};
+        double amplitude = sqrt(square_of(strength));
+        add_echo(echoes, (Echo){late[0] - emission, strength, amplitude, late[3], late[4], late[5], false});
     }
 }
 
@@ -29,8 +31,8 @@ static void keep_left(UltrasonicSensor *sensor, const Echoes *echoes, double emi
     for (int i = 0; i < echoes->count && sensor->left_count < MOST_LATE; i++) {
         if (echoes->echo[i].time > end && !echoes->echo[i].foreign) {
             Echo echo = echoes->echo[i];
-            const double numbers[LATE_NUMBERS] = {emission + echo.time, echo.amplitude, echo.phase,
-                                                  echo.there,           echo.back,  echo.doppler};
+            const double numbers[LATE_NUMBERS] = {emission + echo.time, echo.strength.re, echo.strength.im,
+                                                  echo.there,           echo.back,        echo.doppler};
             memcpy(&sensor->left[LATE_NUMBERS * sensor->left_count++], numbers, sizeof numbers);
         }
     }
@@ -54,7 +56,7 @@ static void add_coupling(const UltrasonicSensor *sensor, const Transceiver *pair
     if (sensor->coupling > NO_ECHO_LEVEL) {
         Vector offset = subtract(pair->receiver, pair->transmitter);
         double time = arrival_time(offset, pair->velocity, sensor->speed_of_sound);
-        add_echo(echoes, (Echo){.time = time, .amplitude = exp(sensor->coupling / DECIBEL_PER_NEPER)});
+        add_echo(echoes, plain_echo(time, exp(sensor->coupling / DECIBEL_PER_NEPER)));
     }
 }
 

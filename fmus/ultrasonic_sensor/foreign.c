@@ -104,11 +104,12 @@ static bool hear_directly(const UltrasonicSensor *sensor, const Surroundings *ar
         return false;
     }
     double there = beam_argument(leg, pair->axis, k), back = beam_argument(leg, pair->receiver_axis, k);
-    double beam = piston_directivity(there) * piston_directivity(back);
+    double amplitude =
+        facing_amplitude(way, sensor->absorption) * piston_directivity(there) * piston_directivity(back);
     Path path = {.incident = leg, .reflected = leg};
     *echo = (Echo){.time = time,
-                   .amplitude = facing_amplitude(way, sensor->absorption) * fabs(beam),
-                   .phase = beam < 0.0 ? PI : 0.0,
+                   .strength = {amplitude, 0.0},
+                   .amplitude = fabs(amplitude),
                    .there = there,
                    .back = back,
                    .doppler = doppler_of(pair, path, at_rest, speed)};

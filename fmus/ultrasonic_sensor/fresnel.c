@@ -7,25 +7,6 @@
  *
  * with the auxiliary functions f and g of Abramowitz and Stegun, 7.3.
  */
-typedef struct Phasor {
-    double re, im;
-} Phasor;
-
-static Phasor phasor_product(Phasor a, Phasor b)
-{
-    return (Phasor){a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
-}
-
-static Phasor phasor_sum(Phasor a, double factor, Phasor b)
-{
-    return (Phasor){a.re + factor * b.re, a.im + factor * b.im};
-}
-
-static Phasor phasor_at(double angle)
-{
-    return (Phasor){cos(angle), sin(angle)};
-}
-
 /* exp(i pi / 4) / sqrt(2) (g(u) - i f(u)) for u >= 0. Rational functions fitted to those of SciPy
  * with the least relative error: 1.6e-7 for f, 3.4e-7 for g, at any u. */
 static Phasor end_of_mirror(double u)

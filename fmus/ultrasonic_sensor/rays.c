@@ -130,5 +130,5 @@ static Echo echo_of_ray(const UltrasonicSensor *sensor, double distance)
         return silence;
     }
     double time = time_of_distance(distance, sensor->speed_of_sound, sensor->baseline);
-    return (Echo){.time = time, .amplitude = facing_amplitude(sensor->speed_of_sound * time, sensor->absorption)};
+    return plain_echo(time, facing_amplitude(sensor->speed_of_sound * time, sensor->absorption));
 }

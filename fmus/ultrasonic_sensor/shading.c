@@ -104,8 +104,8 @@ static Phasor passed(Screen screen, double reach, double focus, double wave_numb
 /* Its phasor times `factor`. */
 static void weigh(Echo *echo, Phasor factor)
 {
-    echo->amplitude *= sqrt(factor.re * factor.re + factor.im * factor.im);
-    echo->phase += atan2(factor.im, factor.re);
+    echo->strength = phasor_product(factor, echo->strength);
+    echo->amplitude = sqrt(square_of(echo->strength));
 }
 
 static Vector mirrored(const Surroundings *around, Vector point)

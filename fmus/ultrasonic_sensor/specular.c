@@ -28,8 +28,8 @@ static bool hear_path(const UltrasonicSensor *sensor, const Transceiver *pair, c
     double back = beam_argument(path->reflected, pair->receiver_axis, sensor->wave_number);
     double doppler = doppler_of(pair, *path, velocity, sensor->speed_of_sound);
     *echo = (Echo){.time = path->time,
+                   .strength = {amplitude, 0.0},
                    .amplitude = fabs(amplitude),
-                   .phase = amplitude < 0.0 ? PI : 0.0,
                    .there = there,
                    .back = back,
                    .doppler = doppler};
@@ -246,9 +246,11 @@ static int parts_of_strip(double mirror, double half, Part parts[MOST_PARTS])
 
 static Phasor part_weight(const Path *path, Vector along, double bend, double sign, double wave_number)
 {
+    if (sign == 0.0) {
+        return (Phasor){1.0, 0.0};
+    }
     double slope = dot(subtract(path->incident, path->reflected), along);
-    Phasor end = end_of_mirror(fabs(slope) * sqrt(wave_number / (PI * bend)));
-    return sign == 0.0 ? (Phasor){1.0, 0.0} : (Phasor){sign * end.re, sign * end.im};
+    return scaled(sign, end_of_mirror(fabs(slope) * sqrt(wave_number / (PI * bend))));
 }
 
 #define FAINT_PART 1e-6 /* of the plane's power */
@@ -263,8 +265,8 @@ static bool hear_part(const UltrasonicSensor *sensor, const Surroundings *around
     /* Kirchhoff's obliquity over the size of the zone that answers; 1 at the mirror point */
     double oblique = 0.5 * dot(subtract(path->reflected, path->incident), path->normal);
     double factor = oblique * (1.0 / path->first + 1.0 / path->second) / sqrt(bend_a * bend_b);
-    weight = (Phasor){factor * weight.re, factor * weight.im};
-    bool faint = weight.re * weight.re + weight.im * weight.im < FAINT_PART;
+    weight = scaled(factor, weight);
+    bool faint = square_of(weight) < FAINT_PART;
     double spread = path->first + path->second;
     if (faint || !hear_path(sensor, pair, path, spread, at_rest, sensor->box_reflection, echo)) {
         return false;
@@ -313,8 +315,8 @@ static void add_echoes_of_targets(const UltrasonicSensor *sensor, const Surround
     for (int face = 0; face < 2 * AXES && around->box_present; face++) {
         add_face(sensor, around, pair, face / 2, face % 2 ? 1.0 : -1.0, echoes);
     }
-    for (int i = before; i < echoes->count; i++) {
-        echoes->echo[i].amplitude *= bounce;
+    for (int i = before; i < echoes->count && bounce != 1.0; i++) {
+        weigh(&echoes->echo[i], (Phasor){bounce, 0.0});
     }
 }
 

@@ -38,11 +38,6 @@ typedef struct Sum {
 
 static const double pitch = 1.0 / SAMPLES_A_RING_TIME;
 
-static double square_of(Phasor a)
-{
-    return inner_product(a, a);
-}
-
 /* The square of the sum a little later, or earlier. */
 static double square_after(const Sum *sum, double later)
 {
@@ -161,8 +156,8 @@ static double height_of(const UltrasonicSensor *sensor, Echo echo)
 /* Amplitude over the threshold's, with the phase of the carrier. */
 static Phasor phasor_of(const UltrasonicSensor *sensor, Echo echo)
 {
-    double amplitude = echo.amplitude / sensor->threshold_amplitude;
-    return scaled(amplitude, phasor_at(echo.phase - 2.0 * PI * sensor->frequency * echo.time));
+    Phasor carrier = phasor_at(-2.0 * PI * sensor->frequency * echo.time);
+    return scaled(1.0 / sensor->threshold_amplitude, phasor_product(echo.strength, carrier));
 }
 
 static Turning turning_of(const UltrasonicSensor *sensor, Echo echo)

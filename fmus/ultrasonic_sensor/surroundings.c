@@ -1,12 +1,11 @@
 /* UltrasonicSensor: what a ping meets, as it is at the emission. */
 #include "equations.h"
-
-#include <math.h>
+#include "phasor.h"
 
 typedef struct Echo {
     double time;      /* from the emission to its arrival, INFINITY for none */
-    double amplitude; /* at its loudest, without Doppler; 1 is a level of 0 dB */
-    double phase;     /* of the carrier at the arrival */
+    Phasor strength;  /* at its loudest, without Doppler, with the phase of its carrier at the arrival */
+    double amplitude; /* its modulus; 1 is a level of 0 dB */
     double there, back; /* (x / 2)^2 of the beam on both ways */
     double doppler;   /* by how many parts it comes faster than the burst left */
     bool foreign;     /* of another sensor's burst */
@@ -14,6 +13,12 @@ typedef struct Echo {
 
 static const Vector at_rest = {0.0, 0.0, 0.0};
 static const Echo silence = {.time = INFINITY};
+
+/* One at rest and on the axis of the beams. */
+static Echo plain_echo(double time, double amplitude)
+{
+    return (Echo){.time = time, .strength = {amplitude, 0.0}, .amplitude = amplitude};
+}
 
 enum { MOST_ECHOES = 96, MOST_LATE = 8, LATE_NUMBERS = 6 }; /* those of one ping; those that outlive it */
 
