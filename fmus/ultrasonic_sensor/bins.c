@@ -33,13 +33,7 @@ static Sample sample_of_all(const Listening *listening)
     const Sum *others = &listening->others;
     Sample whole = sample_of_mesh(listening);
     whole.value = phasor_sum(whole.value, 1.0, sum_now(others));
-    whole.slope = phasor_sum(whole.slope, 1.0, phasor_sum(others->value, -1.0, others->slope));
-    for (int i = 0; i < others->modes; i++) {
-        const Turning *mode = &others->mode[i];
-        Phasor turn = {0.0, mode->shift.turn};
-        whole.slope = phasor_sum(whole.slope, 1.0, phasor_product(turn, phasor_sum(mode->steady, 1.0, mode->fading)));
-        whole.slope = phasor_sum(whole.slope, -mode->shift.pace, mode->fading);
-    }
+    whole.slope = phasor_sum(whole.slope, 1.0, slope_now(others));
     return whole;
 }
 

@@ -16,8 +16,6 @@ typedef struct Detection {
 typedef struct Turning {
     Shift shift;
     Phasor steady, fading; /* S, F */
-    Phasor turn;           /* over a sample */
-    double fade;
 } Turning;
 
 typedef struct Onset {
@@ -34,21 +32,23 @@ typedef struct Sum {
     int modes;
 } Sum;
 
-#define SAMPLES_A_RING_TIME 64
+#define PITCH (1.0 / 256.0) /* ring times: where the sum is close to the threshold it is looked at so often */
 
-static const double pitch = 1.0 / SAMPLES_A_RING_TIME;
-
-/* The square of the sum a little later, or earlier. */
-static double square_after(const Sum *sum, double later)
+/* By how much the square of the sum is above the threshold a little later, or earlier; and its slope there. */
+static double excess_after(const Sum *sum, double later, double threshold, double *slope)
 {
+    double decay = exp(-later);
     Phasor ring = phasor_sum(sum->value, later, sum->slope);
-    Phasor whole = phasor_sum(sum->constant, -exp(-later), ring);
+    Phasor whole = phasor_sum(sum->constant, -decay, ring), change = scaled(decay, phasor_sum(ring, -1.0, sum->slope));
     for (int i = 0; i < sum->modes; i++) {
         const Turning *mode = &sum->mode[i];
-        Phasor part = phasor_sum(mode->steady, exp(-mode->shift.pace * later), mode->fading);
-        whole = phasor_sum(whole, 1.0, phasor_product(part, phasor_at(mode->shift.turn * later)));
+        Phasor fading = scaled(exp(-mode->shift.pace * later), mode->fading), turn = phasor_at(mode->shift.turn * later);
+        Phasor part = phasor_sum(mode->steady, 1.0, fading), turning = phasor_product((Phasor){0.0, mode->shift.turn}, part);
+        whole = phasor_sum(whole, 1.0, phasor_product(part, turn));
+        change = phasor_sum(change, 1.0, phasor_product(phasor_sum(turning, -mode->shift.pace, fading), turn));
     }
-    return square_of(whole);
+    *slope = 2.0 * inner_product(whole, change);
+    return square_of(whole) - threshold;
 }
 
 static Phasor sum_now(const Sum *sum)
@@ -73,54 +73,77 @@ static void advance_sum(Sum *sum, double later, double decay)
     sum->time += later;
     for (int i = 0; i < sum->modes; i++) {
         Turning *mode = &sum->mode[i];
-        bool sample = later == pitch;
-        Phasor turn = sample ? mode->turn : phasor_at(mode->shift.turn * later);
-        double fade = sample ? mode->fade : exp(-mode->shift.pace * later);
+        Phasor turn = phasor_at(mode->shift.turn * later);
+        double fade = exp(-mode->shift.pace * later);
         mode->steady = phasor_product(turn, mode->steady);
         mode->fading = scaled(fade, phasor_product(turn, mode->fading));
     }
 }
 
-/* Where the square has passed `threshold` since `before`: by halving and by the secant. */
+/* Where the square has passed `threshold` since `before`: Newton's method, kept within what is known. */
 static double crossing_since(const Sum *sum, double before, double threshold)
 {
-    double low = -before, high = 0.0;
-    for (int i = 0; i < 100 && high - low > 1e-13 * (1.0 + sum->time); i++) {
-        double below = square_after(sum, low) - threshold;
-        double above = square_after(sum, high) - threshold;
-        double secant = low - below * (high - low) / (above - below);
-        double probe = i % 2 ? 0.5 * (low + high) : lesser(greater(secant, low), high);
-        bool passed = square_after(sum, probe) >= threshold;
-        low = passed ? low : probe;
-        high = passed ? probe : high;
+    double low = -before, high = 0.0, later = 0.0;
+    for (int i = 0; i < 60; i++) {
+        double slope, excess = excess_after(sum, later, threshold, &slope);
+        low = excess < 0.0 ? later : low;
+        high = excess < 0.0 ? high : later;
+        double next = slope > 0.0 ? later - excess / slope : low;
+        next = next > low && next < high ? next : 0.5 * (low + high);
+        double change = fabs(next - later);
+        later = next;
+        /* the square of the last change is left */
+        if (change <= 1e-8 || high - low <= 1e-13 * (1.0 + sum->time)) {
+            break;
+        }
     }
-    return sum->time + high;
+    return sum->time + later;
 }
 
-/* No more than this is to come. */
-static double bound_of(const Sum *sum)
+/* Its change in a ring time. */
+static Phasor slope_now(const Sum *sum)
 {
-    double bound = sqrt(square_of(sum->constant)) + sqrt(square_of(sum->value)) + sqrt(square_of(sum->slope));
+    Phasor whole = phasor_sum(sum->value, -1.0, sum->slope);
     for (int i = 0; i < sum->modes; i++) {
-        bound += sqrt(square_of(sum->mode[i].steady)) + sqrt(square_of(sum->mode[i].fading));
+        const Turning *mode = &sum->mode[i];
+        Phasor turn = {0.0, mode->shift.turn};
+        whole = phasor_sum(whole, 1.0, phasor_product(turn, phasor_sum(mode->steady, 1.0, mode->fading)));
+        whole = phasor_sum(whole, -mode->shift.pace, mode->fading);
+    }
+    return whole;
+}
+
+static double modulus(Phasor a)
+{
+    return sqrt(square_of(a));
+}
+
+/* No more than that changes from now on: where P + Q t fades by (2 Q - P - Q t) exp(-t), in a ring time. */
+static double most_bend(const Sum *sum)
+{
+    double bound = modulus(phasor_sum(sum->value, -2.0, sum->slope)) + exp(-1.0) * modulus(sum->slope);
+    for (int i = 0; i < sum->modes; i++) {
+        const Turning *mode = &sum->mode[i];
+        double square = mode->shift.turn * mode->shift.turn, pace = mode->shift.pace;
+        bound += square * modulus(mode->steady) + (square + pace * pace) * modulus(mode->fading);
     }
     return bound;
 }
 
-/* From `sum->time` to `until`, in ring times; INFINITY where the threshold is not passed. */
+/* From `sum->time` to `until`, in ring times; INFINITY where the threshold is not passed. It leaps as far as a parabola
+ * of its slope and its greatest bend is below the threshold. */
 static double cross_before(Sum *sum, double until, double threshold)
 {
-    const double decay = exp(-pitch);
     double limit = sqrt(threshold);
     while (sum->time < until) {
-        double rest = until - sum->time;
-        bool quiet = bound_of(sum) < limit, leap = quiet || rest < pitch; /* the last sample is shorter */
-        double later = leap ? rest : pitch;
-        advance_sum(sum, later, leap ? exp(-later) : decay);
-        if (!quiet && square_now(sum) >= threshold) {
+        double gap = greater(limit - modulus(sum_now(sum)), 0.0), slope = modulus(slope_now(sum));
+        double safe = 2.0 * gap / (slope + sqrt(slope * slope + 2.0 * most_bend(sum) * gap));
+        double rest = until - sum->time, later = lesser(greater(safe, PITCH), rest);
+        advance_sum(sum, later, exp(-later));
+        if (square_now(sum) >= threshold) {
             return crossing_since(sum, later, threshold);
         }
-        sum->time = leap ? until : sum->time;
+        sum->time = later == rest ? until : sum->time;
     }
     return INFINITY;
 }
@@ -162,8 +185,7 @@ static Phasor phasor_of(const UltrasonicSensor *sensor, Echo echo)
 
 static Turning turning_of(const UltrasonicSensor *sensor, Echo echo)
 {
-    Shift shift = shift_of(sensor, echo);
-    return (Turning){.shift = shift, .turn = phasor_at(shift.turn * pitch), .fade = exp(-shift.pace * pitch)};
+    return (Turning){.shift = shift_of(sensor, echo)};
 }
 
 /* Puts begin and end of an echo among the onsets; returns how many there are. */
