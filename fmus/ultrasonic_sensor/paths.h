@@ -235,9 +235,9 @@ static inline real left_by_air(real length, real absorption)
 static inline real path_amplitude(const Transceiver *pair, Path path, real spread, real reflection, real wave_number,
                                   real absorption)
 {
+    real air = left_by_air(path.first + path.second, absorption);
     real there = piston_directivity(beam_argument(path.incident, pair->axis, wave_number));
     real back = piston_directivity(beam_argument(path.reflected, pair->receiver_axis, wave_number));
-    real air = left_by_air(path.first + path.second, absorption);
     return there * back * reflection * air * (2.0 / spread);
 }
 

@@ -42,8 +42,9 @@ static double excess_after(const Sum *sum, double later, double threshold, doubl
     Phasor whole = phasor_sum(sum->constant, -decay, ring), change = scaled(decay, phasor_sum(ring, -1.0, sum->slope));
     for (int i = 0; i < sum->modes; i++) {
         const Turning *mode = &sum->mode[i];
-        Phasor fading = scaled(exp(-mode->shift.pace * later), mode->fading), turn = phasor_at(mode->shift.turn * later);
-        Phasor part = phasor_sum(mode->steady, 1.0, fading), turning = phasor_product((Phasor){0.0, mode->shift.turn}, part);
+        Phasor fading = scaled(exp(-mode->shift.pace * later), mode->fading);
+        Phasor turn = phasor_at(mode->shift.turn * later), part = phasor_sum(mode->steady, 1.0, fading);
+        Phasor turning = phasor_product((Phasor){0.0, mode->shift.turn}, part);
         whole = phasor_sum(whole, 1.0, phasor_product(part, turn));
         change = phasor_sum(change, 1.0, phasor_product(phasor_sum(turning, -mode->shift.pace, fading), turn));
     }

@@ -49,6 +49,7 @@ def box(distance: float, angle: float = 0.0) -> dict:
 
 TARGETS = {"plane": plane, "sphere": sphere, "capsule": capsule, "box": box}
 SEVERAL = {**plane(REACH, ASIDE), **sphere(REACH - 0.1, -3 * ASIDE, 0.03), **capsule(REACH - 0.2, 4.5 * ASIDE, 0.03)}
+TOGETHER = {**plane(REACH), **sphere(REACH, -4.5 * ASIDE, 0.03)}
 BEHIND = {**plane(REACH, ASIDE), **sphere(REACH - 0.1, ASIDE), **capsule(REACH - 0.2, ASIDE)}
 
 
@@ -95,6 +96,8 @@ def speed_and_accuracy(fidelities: list[str], rounds: int) -> list[Table]:
     behind = started("UltrasonicSensor", period=PERIOD, **BEHIND)
     extra = {("specular", "first three together"): repeated_step(several, PINGS * PERIOD)}
     extra["specular", "the same, one behind the other"] = repeated_step(behind, PINGS * PERIOD)
+    together = started("UltrasonicSensor", period=PERIOD, **TOGETHER)
+    extra["specular", "plane and sphere, echoes that overlap"] = repeated_step(together, PINGS * PERIOD)
     nothing = started("UltrasonicSensor", period=PERIOD, maximum_range=1.0)
     extra["specular", "none"] = repeated_step(nothing, PINGS * PERIOD)
     moving = started("UltrasonicSensor", period=PERIOD, velocity=[APPROACH, 0.0, 0.0], **plane(2 * REACH, ASIDE))
