@@ -161,7 +161,7 @@ def test_moving_balls_agree_with_the_series_of_partial_waves(device, size):
 
 
 def rest_time(device: Device, center: np.ndarray, radius: float) -> float:
-    """Time of flight by a ball at rest there, s; of the unit, which holds Fermat's to 1e-14."""
+    """Time of flight by a ball at rest there, s; of the unit, which holds Fermat's to 1e-12."""
     return ping(sphere_center=center, sphere_radius=radius, threshold=-150.0)["time_of_flight"]
 
 
