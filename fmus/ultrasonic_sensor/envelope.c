@@ -145,12 +145,14 @@ static double rise_time(const UltrasonicSensor *sensor, double height, Echo echo
     return sensor->ring_time * (slight ? plain_rise(sensor, height) : rise_with(sensor, height, whole_dispersion(sensor, echo)));
 }
 
-#define SLOW_SHIFT 0.5 /* radians a ring time, times .02 with the dispersion, and */
-#define LOW_ONSET 0.17 /* shares of an endless burst: up to there slow_rise is within 5 ns, 1 um */
+#define LOW_ONSET 0.17  /* shares of an endless burst, and */
+#define SLIGHT_TURN 0.01 /* of the dispersion, radians: up to there early_shifted_rise is within 5 ns, 1 um */
+#define SHORT_CHANGE 2e-3 /* ring times: some thousandths of the last change are left */
 
-static bool is_slow(const Shift *shift)
+/* Whether that may be taken: of a shift that is not quick. */
+static bool rises_early(const UltrasonicSensor *sensor, const Shift *shift, double height)
 {
-    return fabs(shift->turn) <= SLOW_SHIFT && fabs(shift->turn * shift->dispersion) <= 0.02 * SLOW_SHIFT;
+    return height < lesser(LOW_ONSET, sensor->burst_height) && fabs(shift->turn * shift->dispersion) <= SLIGHT_TURN;
 }
 
 /* That of a shifted echo before its burst ends. In the frame of its carrier what begins is, a = 1 + e the pace,
@@ -162,11 +164,16 @@ static bool is_slow(const Shift *shift)
  *     |u| = a v(t) exp(-e t / 3 + (e - w^2) t^2 / 36 + w^2 t^3 / 540),  Im u' / u = -w (1 / 3 - t / 18 - t^2 / 180)
  *
  * and z = (whole u - i d u') exp(i w t), whole = 1 + d2 w. */
-static double slow_rise(const UltrasonicSensor *sensor, const Shift *shift, double height)
+static double early_shifted_rise(const UltrasonicSensor *sensor, const Shift *shift, double height)
 {
     double d = shift->dispersion, w = shift->turn, e = shift->pace - 1.0, whole = shift->emphasis + d * w;
-    double t = rise_with(sensor, height, d);
-    double grown = t * (-e / 3.0 + t * ((e - w * w) / 36.0 + t * w * w / 540.0));
-    double turned = whole - d * w * (1.0 / 3.0 - t * (1.0 / 18.0 + t / 180.0));
-    return rise_with(sensor, height / (shift->pace * turned * (1.0 + grown * (1.0 + 0.5 * grown))), d / turned);
+    double t = rise_with(sensor, height, d), change = INFINITY;
+    for (int i = 0; i < 4 && change > SHORT_CHANGE; i++) {
+        double grown = t * (-e / 3.0 + t * ((e - w * w) / 36.0 + t * w * w / 540.0));
+        double turned = whole - d * w * (1.0 / 3.0 - t * (1.0 / 18.0 + t / 180.0));
+        double next = rise_with(sensor, height / (shift->pace * turned * (1.0 + grown * (1.0 + 0.5 * grown))), d / turned);
+        change = fabs(next - t);
+        t = next;
+    }
+    return t;
 }

@@ -300,9 +300,10 @@ static double lone_crossing(const UltrasonicSensor *sensor, Echo *echo)
     if (fabs(shift.turn) > QUICK_SHIFT) {
         return 0.0;
     }
-    bool slow = is_slow(&shift) && height < lesser(LOW_ONSET, sensor->burst_height);
-    double since = slow ? slow_rise(sensor, &shift, height) : plain_rise(sensor, height * sensor->peak / loudest);
-    if (!slow || since * shift.pace > sensor->burst_length) {
+    bool early = rises_early(sensor, &shift, height);
+    double since = early ? early_shifted_rise(sensor, &shift, height)
+                         : plain_rise(sensor, height * sensor->peak / loudest);
+    if (!early || since * shift.pace > sensor->burst_length) {
         since = shifted_rise(sensor, &shift, height, since, latest);
     }
     return echo->time + sensor->ring_time * since;
