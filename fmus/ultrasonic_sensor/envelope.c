@@ -142,7 +142,8 @@ static double rise_time(const UltrasonicSensor *sensor, double height, Echo echo
 {
     double most = most_dispersion(sensor, echo);
     bool slight = most * most <= SLIGHT_DISPERSION * height;
-    return sensor->ring_time * (slight ? plain_rise(sensor, height) : rise_with(sensor, height, whole_dispersion(sensor, echo)));
+    double dispersion = slight ? 0.0 : whole_dispersion(sensor, echo);
+    return sensor->ring_time * rise_with(sensor, height, dispersion);
 }
 
 #define LOW_ONSET 0.17  /* shares of an endless burst, and */
@@ -171,7 +172,8 @@ static double early_shifted_rise(const UltrasonicSensor *sensor, const Shift *sh
     for (int i = 0; i < 4 && change > SHORT_CHANGE; i++) {
         double grown = t * (-e / 3.0 + t * ((e - w * w) / 36.0 + t * w * w / 540.0));
         double turned = whole - d * w * (1.0 / 3.0 - t * (1.0 / 18.0 + t / 180.0));
-        double next = rise_with(sensor, height / (shift->pace * turned * (1.0 + grown * (1.0 + 0.5 * grown))), d / turned);
+        double share = shift->pace * turned * (1.0 + grown * (1.0 + 0.5 * grown));
+        double next = rise_with(sensor, height / share, d / turned);
         change = fabs(next - t);
         t = next;
     }
