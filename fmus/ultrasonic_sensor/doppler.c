@@ -129,6 +129,15 @@ static double loudest_time(const UltrasonicSensor *sensor, const Shift *shift, d
     return time;
 }
 
+/* Newton's next place between low and high, of which what is known at a place moves one there; half way where that would
+ * lead out. */
+static double next_between(double *low, double *high, double place, double excess, double slope)
+{
+    *(excess < 0.0 ? low : high) = place;
+    double next = slope > 0.0 ? place - excess / slope : *high;
+    return next > *low && next < *high ? next : 0.5 * (*low + *high);
+}
+
 /* Up to `loudest` the envelope of a shift that is not quick only rises: Newton's method on the square, kept
  * within what is known. */
 static double shifted_rise(const UltrasonicSensor *sensor, const Shift *shift, double height, double guess,
@@ -139,11 +148,7 @@ static double shifted_rise(const UltrasonicSensor *sensor, const Shift *shift, d
         Response there = shifted_response(sensor, shift, time);
         double excess = inner_product(there.value, there.value) - height * height;
         double slope = 2.0 * inner_product(there.value, there.slope);
-        low = excess < 0.0 ? time : low;
-        high = excess < 0.0 ? high : time;
-        double next = slope > 0.0 ? time - excess / slope : high;
-        next = next > low && next < high ? next : 0.5 * (low + high);
-        double change = fabs(next - time);
+        double next = next_between(&low, &high, time, excess, slope), change = fabs(next - time);
         time = next;
         if (change <= 1e-8 * time || high - low <= 1e-14 * high) {
             break;

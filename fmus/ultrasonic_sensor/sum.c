@@ -87,11 +87,7 @@ static double crossing_since(const Sum *sum, double before, double threshold)
     double low = -before, high = 0.0, later = 0.0;
     for (int i = 0; i < 60; i++) {
         double slope, excess = excess_after(sum, later, threshold, &slope);
-        low = excess < 0.0 ? later : low;
-        high = excess < 0.0 ? high : later;
-        double next = slope > 0.0 ? later - excess / slope : low;
-        next = next > low && next < high ? next : 0.5 * (low + high);
-        double change = fabs(next - later);
+        double next = next_between(&low, &high, later, excess, slope), change = fabs(next - later);
         later = next;
         /* the square of the last change is left */
         if (change <= 1e-8 || high - low <= 1e-13 * (1.0 + sum->time)) {
