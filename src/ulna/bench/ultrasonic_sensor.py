@@ -50,6 +50,7 @@ def box(distance: float, angle: float = 0.0) -> dict:
 TARGETS = {"plane": plane, "sphere": sphere, "capsule": capsule, "box": box}
 SEVERAL = {**plane(REACH, ASIDE), **sphere(REACH - 0.1, -3 * ASIDE, 0.03), **capsule(REACH - 0.2, 4.5 * ASIDE, 0.03)}
 TOGETHER = {**plane(REACH), **sphere(REACH, -4.5 * ASIDE, 0.03)}
+CROWDED = {**plane(REACH, ASIDE), **sphere(REACH - 0.1, -ASIDE, 0.03), **capsule(REACH - 0.2, 3 * ASIDE, 0.03)}
 BEHIND = {**plane(REACH, ASIDE), **sphere(REACH - 0.1, ASIDE), **capsule(REACH - 0.2, ASIDE)}
 
 
@@ -94,7 +95,9 @@ def speed_and_accuracy(fidelities: list[str], rounds: int) -> list[Table]:
             calls[fidelity, target] = repeated_step(sensor, PINGS * PERIOD)
     several = started("UltrasonicSensor", period=PERIOD, **SEVERAL)
     behind = started("UltrasonicSensor", period=PERIOD, **BEHIND)
-    extra = {("specular", "first three together"): repeated_step(several, PINGS * PERIOD)}
+    crowded = started("UltrasonicSensor", period=PERIOD, **CROWDED)
+    extra = {("specular", "first three, clear of each other"): repeated_step(several, PINGS * PERIOD)}
+    extra["specular", "the same, partly in each other's light"] = repeated_step(crowded, PINGS * PERIOD)
     extra["specular", "the same, one behind the other"] = repeated_step(behind, PINGS * PERIOD)
     together = started("UltrasonicSensor", period=PERIOD, **TOGETHER)
     extra["specular", "plane and sphere, echoes that overlap"] = repeated_step(together, PINGS * PERIOD)
