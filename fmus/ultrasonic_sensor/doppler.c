@@ -129,15 +129,6 @@ static double loudest_time(const UltrasonicSensor *sensor, const Shift *shift, d
     return time;
 }
 
-/* Newton's next place between low and high, of which what is known at a place moves one there; half way where that would
- * lead out. */
-static double next_between(double *low, double *high, double place, double excess, double slope)
-{
-    *(excess < 0.0 ? low : high) = place;
-    double next = slope > 0.0 ? place - excess / slope : *high;
-    return next > *low && next < *high ? next : 0.5 * (*low + *high);
-}
-
 /* Up to `loudest` the envelope of a shift that is not quick only rises: Newton's method on the square, kept
  * within what is known. */
 static double shifted_rise(const UltrasonicSensor *sensor, const Shift *shift, double height, double guess,

@@ -96,7 +96,9 @@ static double most_dispersion(const UltrasonicSensor *sensor, Echo echo)
     return arguments < 1.0 ? 2.0 * arguments / (2.0 * PI * sensor->frequency * sensor->ring_time) : INFINITY;
 }
 
-#define SLIGHT_DISPERSION 1e-4 /* d^2 over the height: below, it moves the crossing by less than 3 ns */
+/* d^2 over the height: */
+#define SLIGHT_DISPERSION 1e-4 /* it moves the crossing by less than 3 ns */
+#define SMALL_DISPERSION 1e-2  /* what its square moves it by is less than 1 ns */
 
 /* One step of Halley's method from `since`, where the envelope is `burst`, to where value^2 + d^2 slope^2 is that of
  * `height`; no longer than twice Newton's. */
@@ -110,15 +112,19 @@ static double change_towards(double height, double d, Envelope burst)
     return slope > 0.0 ? -2.0 * excess * slope / below : 0.0;
 }
 
-/* How many ring times after its arrival the envelope of an echo at rest is `height`, up to its peak. With dispersion
- * the search begins where the onset t^2 / 2 would pass. */
+/* How many ring times after its arrival the envelope of an echo at rest is `height`, up to its peak. Small dispersion
+ * moves that by -d^2 slope / (2 height); with more, the search begins where the onset t^2 / 2 would pass. */
 static double rise_with(const UltrasonicSensor *sensor, double height, double dispersion)
 {
     double start = height, square = dispersion * dispersion;
+    bool early = height < sensor->burst_height;
+    if (early && square <= SMALL_DISPERSION * height) {
+        double since = early_rise(height); /* slope: since exp(-since), from the height */
+        return since - 0.5 * square * since * (1.0 - height) / ((1.0 + since) * height);
+    }
     if (square <= SLIGHT_DISPERSION * height) {
         return plain_rise(sensor, height);
     }
-    bool early = height < sensor->burst_height;
     if (early) {
         start = height * height / (sqrt(square * square + height * height) + square);
     }
@@ -141,9 +147,10 @@ static double rise_with(const UltrasonicSensor *sensor, double height, double di
 static double rise_time(const UltrasonicSensor *sensor, double height, Echo echo)
 {
     double most = most_dispersion(sensor, echo);
-    bool slight = most * most <= SLIGHT_DISPERSION * height;
-    double dispersion = slight ? 0.0 : whole_dispersion(sensor, echo);
-    return sensor->ring_time * rise_with(sensor, height, dispersion);
+    double rise = most * most <= SLIGHT_DISPERSION * height
+        ? plain_rise(sensor, height)
+        : rise_with(sensor, height, whole_dispersion(sensor, echo));
+    return sensor->ring_time * rise;
 }
 
 #define LOW_ONSET 0.17  /* shares of an endless burst, and */

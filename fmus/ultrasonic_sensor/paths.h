@@ -33,11 +33,9 @@ typedef struct Path {
     real bounce_time;           /* from emission to the bounce */
 } Path;
 
-/* The ball that touches a target from within at the mirror point. */
 typedef struct Ball {
     Vector center; /* at the emission */
     Vector velocity;
-    Vector slide; /* of the centre along the wall of a capsule, per share; zero for a sphere */
     real radius;
 } Ball;
 
@@ -78,20 +76,33 @@ static inline Path plane_path(const Transceiver *pair, Vector plane_point, Vecto
     return path;
 }
 
-/* A first guess of the path by a ball: straight from the middle of the pair to its centre and back, with what the legs
- * differ by to first order in the baseline. */
-static inline Path ball_path_guess(const Transceiver *pair, Ball ball, real speed)
+/* Transmitter and receiver about the centre of a ball at rest: with o from there to the middle of the two and l half
+ * the line between them, o o, o l, l l. About the axis of a cylinder, of what of them is across it. */
+typedef struct Sight {
+    real offset, product, half;
+    real radius;
+} Sight;
+
+/* Where the normal of a round mirror aims: at o + place l, -1 the transmitter, 1 the receiver. */
+typedef struct Aim {
+    real place;
+    real reach;         /* |o + place l| */
+    real excess, slope; /* 0 at the mirror point; by the place */
+} Aim;
+
+/* Alhazen's problem. The two are as high above the plane that touches at the mirror point as the parts into which the
+ * normal divides their line are long, 1 + place and 1 - place:
+ *     o l (1 + place^2) + place (o o + l l - radius reach) = 0 */
+static inline Aim aim_at(Sight sight, real place)
 {
-    Path path;
-    path.point = path.normal = path.incident = path.reflected = vector(0.0, 0.0, 0.0);
-    Vector line = subtract(pair->receiver, pair->transmitter);
-    Vector offset = subtract(ball.center, add_scaled(pair->transmitter, 0.5, line));
-    real reach = norm(offset), leg = reach - ball.radius;
-    path.share = 0.5 + 0.25 * dot(offset, line) / (reach * leg);
-    path.first = path.second = leg;
-    path.time = 2.0 * leg / speed;
-    path.bounce_time = path.share * path.time;
-    return path;
+    Aim aim;
+    real turned = sight.product + place * sight.half;
+    aim.place = place;
+    aim.reach = sqrt(sight.offset + place * (sight.product + turned));
+    real whole = sight.offset + sight.half - sight.radius * aim.reach;
+    aim.excess = sight.product * (1.0 + place * place) + place * whole;
+    aim.slope = 2.0 * place * sight.product + whole - sight.radius * place * turned / aim.reach;
+    return aim;
 }
 
 /* The point between transmitter and receiver that the normal at the mirror point aims at. */
@@ -131,9 +142,8 @@ static inline Path ball_path_refined(const Transceiver *pair, Path path, Ball ba
     real fixed_point = first / (first + second);
     /* Newton's step needs the slope of that fixed point; of a target at rest, which is near enough */
     Vector pair_line = subtract(pair->receiver, pair->transmitter);
-    Vector across = subtract(pair_line, ball.slide);
-    Vector turn = add_scaled(across, -dot(across, next.normal), next.normal);
-    Vector shift = add_scaled(ball.slide, ball.radius / reach, turn); /* of the mirror point */
+    Vector turn = add_scaled(pair_line, -dot(pair_line, next.normal), next.normal);
+    Vector shift = scale(ball.radius / reach, turn); /* of the mirror point */
     Vector stretch = add(scale(next.second, next.incident), scale(next.first, next.reflected));
     real whole = next.first + next.second;
     real slope = dot(stretch, shift) / (whole * whole);

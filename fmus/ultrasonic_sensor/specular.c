@@ -1,7 +1,4 @@
 /* UltrasonicSensor: the echo of each target by its mirror point. */
-enum { MOST_REFINEMENTS = 12 }; /* at rest one or two will do, at half the speed of sound all */
-
-#define CLOSE_AIM 1e-6 /* of the first leg: an error e in the aim costs e^2 of it, 1 pm a metre */
 #define LAST_END 3.5   /* Fresnel's u from which a round end changes an echo by less than .003 */
 
 /* The strip's or capsule's end as seen from a mirror point. */
@@ -17,9 +14,9 @@ static bool hear_path(const UltrasonicSensor *sensor, const Transceiver *pair, c
                       Vector velocity, double reflection, Echo *echo)
 {
     bool in_front = dot(path->incident, pair->axis) > 0.0 && dot(path->reflected, pair->receiver_axis) < 0.0;
-    /* a plane between transmitter and receiver has its mirror point behind the receiver */
+    /* a plane between transmitter and receiver has its mirror point behind one of them */
     bool outside = dot(path->incident, path->normal) < 0.0 && dot(path->reflected, path->normal) > 0.0
-        && path->second > 0.0;
+        && path->first > 0.0 && path->second > 0.0;
     if (!in_front || !outside || !(reflection > 0.0)) {
         return false;
     }
@@ -173,41 +170,13 @@ static void blend(const UltrasonicSensor *sensor, const Transceiver *pair, const
     }
 }
 
-/* On the axis of the capsule the centre of the touching ball is nearest to where the normal aims. */
-static Path target_path(const UltrasonicSensor *sensor, const Surroundings *around, const Target *target,
-                        const Transceiver *pair, Vector slide, double *share)
-{
-    double speed = sensor->speed_of_sound;
-    *share = nearest_share(target, around->middle);
-    Ball ball = {axis_point(target, *share), target->velocity, slide, target->radius};
-    Path path = ball_path_guess(pair, ball, speed);
-    double baseline = most_of(subtract(pair->receiver, pair->transmitter));
-    double drift = most_of(target->velocity), ear = most_of(pair->velocity);
-    for (int i = 0; i < MOST_REFINEMENTS; i++) {
-        *share = nearest_share(target, path_aim(pair, path));
-        ball.center = axis_point(target, *share);
-        Path next = ball_path_refined(pair, path, ball, speed);
-        double moved = fabs(next.share - path.share) * baseline + fabs(next.bounce_time - path.bounce_time) * drift
-            + fabs(next.time - path.time) * ear;
-        path = next;
-        if (moved <= CLOSE_AIM * path.first) {
-            break;
-        }
-    }
-    return path;
-}
-
 static bool hear_target(const UltrasonicSensor *sensor, const Surroundings *around, int number, const Transceiver *pair,
                         Echo *echo)
 {
     const Target *target = &around->target[number];
     Vector whole = subtract(target->end, target->start);
-    Vector slide = vector(0.0, 0.0, 0.0);
     double square = dot(whole, whole), share;
-    if (square > 0.0) {
-        slide = scale(dot(subtract(pair->receiver, pair->transmitter), whole) / square, whole);
-    }
-    Path path = target_path(sensor, around, target, pair, slide, &share);
+    Path path = target_path(target, pair, sensor->speed_of_sound, &share);
     /* a solid plane hides what lies behind it */
     if (around->plane && dot(subtract(path.point, around->plane_point), around->plane_normal) < 0.0) {
         return false;
@@ -244,13 +213,10 @@ static int parts_of_strip(double mirror, double half, Part parts[MOST_PARTS])
     return count;
 }
 
-static Phasor part_weight(const Path *path, Vector along, double bend, double sign, double wave_number)
+/* Of a side bent by `bend` that meets the sound at `slope`. */
+static Phasor part_weight(double slope, double bend, double sign, double wave_number)
 {
-    if (sign == 0.0) {
-        return (Phasor){1.0, 0.0};
-    }
-    double slope = dot(subtract(path->incident, path->reflected), along);
-    return scaled(sign, end_of_mirror(fabs(slope) * sqrt(wave_number / (PI * bend))));
+    return sign == 0.0 ? (Phasor){1.0, 0.0} : scaled(sign, end_of_mirror(fabs(slope) * sqrt(wave_number / (PI * bend))));
 }
 
 #define FAINT_PART 1e-6 /* of the plane's power */
@@ -259,19 +225,22 @@ static Phasor part_weight(const Path *path, Vector along, double bend, double si
 static bool hear_part(const UltrasonicSensor *sensor, const Surroundings *around, const Transceiver *pair,
                       const Path *path, Vector a, Vector b, double sign_a, double sign_b, Echo *echo)
 {
-    double bend_a = straight_bend(path, a), bend_b = straight_bend(path, b);
-    Phasor weight = phasor_product(part_weight(path, a, bend_a, sign_a, sensor->wave_number),
-                                   part_weight(path, b, bend_b, sign_b, sensor->wave_number));
+    double near = 1.0 / path->first, far = 1.0 / path->second, k = sensor->wave_number;
+    double there_a = dot(path->incident, a), there_b = dot(path->incident, b);
+    double back_a = dot(path->reflected, a), back_b = dot(path->reflected, b);
+    double bend_a = (1.0 - there_a * there_a) * near + (1.0 - back_a * back_a) * far;
+    double bend_b = (1.0 - there_b * there_b) * near + (1.0 - back_b * back_b) * far;
+    Phasor weight = phasor_product(part_weight(there_a - back_a, bend_a, sign_a, k),
+                                   part_weight(there_b - back_b, bend_b, sign_b, k));
     /* Kirchhoff's obliquity over the size of the zone that answers; 1 at the mirror point */
     double oblique = 0.5 * dot(subtract(path->reflected, path->incident), path->normal);
-    double factor = oblique * (1.0 / path->first + 1.0 / path->second) / sqrt(bend_a * bend_b);
-    weight = scaled(factor, weight);
-    bool faint = square_of(weight) < FAINT_PART;
-    double spread = path->first + path->second;
-    if (faint || !hear_path(sensor, pair, path, spread, at_rest, sensor->box_reflection, echo)) {
+    weight = scaled(oblique * (near + far) / sqrt(bend_a * bend_b), weight);
+    double power = square_of(weight), spread = path->first + path->second;
+    if (power < FAINT_PART || !hear_path(sensor, pair, path, spread, at_rest, sensor->box_reflection, echo)) {
         return false;
     }
-    weigh(echo, weight);
+    echo->strength = scaled(echo->strength.re, weight);
+    echo->amplitude *= sqrt(power);
     return alone(around, BOX) || hear_shaded(sensor, around, pair, BOX, path, spread, echo);
 }
 

@@ -56,6 +56,15 @@ static double greater(double a, double b)
     return b > a ? b : a;
 }
 
+/* Newton's next place between low and high, of which what is known at a place moves one there; half way where that would
+ * lead out. */
+static double next_between(double *low, double *high, double place, double excess, double slope)
+{
+    *(excess < 0.0 ? low : high) = place;
+    double next = slope > 0.0 ? place - excess / slope : *high;
+    return next > *low && next < *high ? next : 0.5 * (*low + *high);
+}
+
 /* No less than the length, without a root. */
 static double most_of(Vector a)
 {
@@ -133,13 +142,18 @@ static void look_around(const UltrasonicSensor *sensor, double emission, Surroun
     }
 }
 
+/* A share of a target's axis, not beyond its ends. */
+static double within_axis(double share)
+{
+    return lesser(greater(share, 0.0), 1.0);
+}
+
 /* From start to end, as a share of the whole, the point of the axis nearest to `aim`. */
 static double nearest_share(const Target *target, Vector aim)
 {
     Vector whole = subtract(target->end, target->start);
     double square = dot(whole, whole);
-    double share = square > 0.0 ? dot(subtract(aim, target->start), whole) / square : 0.0;
-    return lesser(greater(share, 0.0), 1.0);
+    return square > 0.0 ? within_axis(dot(subtract(aim, target->start), whole) / square) : 0.0;
 }
 
 static Vector axis_point(const Target *target, double share)

@@ -10,6 +10,7 @@
 #include "rays.c"
 #include "fresnel.c"
 #include "shading.c"
+#include "mirror.c"
 #include "specular.c"
 #include "doppler.c"
 #include "envelope.c"

@@ -64,6 +64,7 @@ def equations(values: Values) -> Values:
         "time_of_distance": facing_time(values["range"], values["speed"], half_baseline),
         "arrival_time": arrival_time(values["offset"], values["velocity"], values["speed"]),
         **_named("plane_path", plane_path(values)),
+        **_named("aim_at", aim(values)),
         **_named("ball_path_refined", ball_path(values)),
         "doppler_of": doppler(values),
         **_named("sphere_curvature", sphere_curvature(values)),
@@ -157,15 +158,32 @@ def plane_path(values: Values) -> Values:
     }
 
 
+def aim(values: Values) -> Values:
+    """Alhazen's problem by heights: what the law of reflection lacks where a round mirror's normal aims at `place`.
+
+    o from the centre to the middle of the pair, l half its line, drawn in a plane: o o, o l and l l are given. The
+    normal aims at o + place l. The transmitter, o - l, and the receiver, o + l, are to be as high above the plane that
+    touches as 1 + place to 1 - place.
+    """
+    place = SX.sym("place")
+    length = ca.sqrt(values["sight_offset"])
+    along = values["sight_product"] / length
+    o, half = ca.vertcat(length, 0), ca.vertcat(along, ca.sqrt(values["sight_half"] - along**2))
+    aimed = o + place * half
+    reach = ca.norm_2(aimed)
+    there, back = (ca.dot(end, aimed) / reach - values["ball_radius"] for end in (o - half, o + half))
+    excess = reach / 2 * ((1 + place) * back - (1 - place) * there)
+    results = {"place": place, "reach": reach, "excess": excess, "slope": ca.jacobian(excess, place)}
+    return {name: ca.substitute(result, place, values["aim_place"]) for name, result in results.items()}
+
+
 def ball_path(values: Values) -> Values:
     """The path by the point of a ball whose normal aims at `path_share` of the way from transmitter to receiver.
 
-    The new share is Newton's: where the aim of the path so found and the aim that led to it would agree. The centre
-    of the ball slides by `ball_slide` per share.
+    The new share is Newton's: where the aim of the path so found and the aim that led to it would agree.
     """
     share, given = SX.sym("share"), values["path_share"]
-    center = values["ball_center"] + (share - given) * values["ball_slide"]
-    path = _aimed_path(values | {"path_share": share, "ball_center": center})
+    path = _aimed_path(values | {"path_share": share})
     newton = share - (path["share"] - share) / (ca.jacobian(path["share"], share) - 1)
     return {name: ca.substitute(result, share, given) for name, result in (path | {"share": newton}).items()}
 

@@ -31,8 +31,10 @@ VALUE_UNITS = {
     "plane_point": "m",
     "ball_center": "m",
     "ball_velocity": "m/s",
-    "ball_slide": "m",
     "ball_radius": "m",
+    "sight_offset": "m2",
+    "sight_product": "m2",
+    "sight_half": "m2",
     "path_time": "s",
     "path_bounce_time": "s",
     "first": "m",
@@ -48,6 +50,9 @@ RESULT_UNITS = {
     "time_of_distance": "s",
     "arrival_time": "s",
     "spreading_square": "m2",
+    "aim_at.reach": "m",
+    "aim_at.excess": "m2",
+    "aim_at.slope": "m2",
     **{f"{path}.{name}": unit for path in ("plane_path", "ball_path_refined") for name, unit in PATH_UNITS.items()},
     **{f"{body}_curvature.{name}": unit for body in ("sphere", "cylinder") for name, unit in CURVATURE_UNITS.items()},
 }
@@ -59,6 +64,7 @@ def identities(f: Equations) -> dict[str, SX]:
         **_times(f),
         **_plane(f),
         **_ball(f),
+        **_round_mirror(f),
         **_doppler(f),
         **_spreading(f),
         **_amplitudes(f),
@@ -169,9 +175,6 @@ def _ball(f: Equations) -> dict[str, SX]:
     resting = values | resting_path()
     here = _path(f(resting), "ball_path_refined")
     back = _swapped(resting) | {"path_share": 1 - resting["path_share"]}
-    axis = ca.cross(resting["path_normal"], SX.sym("any", 3))
-    axis /= ca.norm_2(axis)
-    slide = axis * ca.dot(axis, resting["receiver"] - resting["transmitter"])
     lengthwise = resting | {"receiver": resting["transmitter"]}
     from_center = resting["transmitter"] - resting["ball_center"]
     reach = ca.sqrt(ca.dot(from_center, from_center)) - resting["ball_radius"]
@@ -185,10 +188,8 @@ def _ball(f: Equations) -> dict[str, SX]:
             path["normal"] - surface_normal,
         ),
         "ball: the time is stationary on the moving ball (Fermat)": _stationary(f, values),
-        "ball: an error in the aim shows in the time as its square": _slope(f, values, SX.zeros(3), "time"),
-        "ball at rest: each refinement is a Newton step": _slope(f, resting, SX.zeros(3), "share"),
-        "capsule at rest: each refinement is a Newton step": _slope(f, resting, slide, "share"),
-        "capsule at rest: an error in the aim shows in the time as its square": _slope(f, resting, slide, "time"),
+        "ball: an error in the aim shows in the time as its square": _slope(f, values, "time"),
+        "ball at rest: each refinement is a Newton step": _slope(f, resting, "share"),
         "ball: emitter and receiver may be exchanged": _reversed(here, _path(f(back), "ball_path_refined")),
         "ball: emitter and receiver in one place measure the nearest point": resting["speed"]
         * f(lengthwise)["ball_path_refined.time"]
@@ -227,13 +228,36 @@ def _stationary(f: Equations, values: Values) -> SX:
     return ca.cross(values["path_normal"], substituted(slope, [(direction, values["path_normal"])]))
 
 
-def _slope(f: Equations, values: Values, slide: SX, result: str) -> SX:
-    """The derivative of a result of a refinement by the share; the centre slides along an axis with it."""
+def _slope(f: Equations, values: Values, result: str) -> SX:
+    """The derivative of a result of a refinement by the share."""
     share = SX.sym("share")
-    center = values["ball_center"] + (share - values["path_share"]) * slide
-    refined = f(values | {"path_share": share, "ball_center": center, "ball_slide": slide})
-    slope = ca.jacobian(refined[f"ball_path_refined.{result}"], share)
+    slope = ca.jacobian(f(values | {"path_share": share})[f"ball_path_refined.{result}"], share)
     return ca.substitute(slope, share, values["path_share"])
+
+
+def _round_mirror(f: Equations) -> dict[str, SX]:
+    """Where the normal of a ball or a cylinder at rest aims: on a path that obeys the law of reflection it stays."""
+    values, resting = symbols(), symbols() | resting_path()
+    half = (resting["receiver"] - resting["transmitter"]) / 2
+    offset = resting["transmitter"] + half - resting["ball_center"]
+    place = 2 * resting["path_share"] - 1
+    # a cylinder: the same, moved along an axis across the normal
+    axis = ca.cross(resting["path_normal"], SX.sym("any", 3))
+    axis /= ca.norm_2(axis)
+    across = SX.eye(3) - axis @ axis.T
+    claims = {}
+    for shape, flat in (("ball", SX.eye(3)), ("cylinder", across)):
+        o, line = flat @ offset, flat @ half
+        sight = {"sight_offset": ca.dot(o, o), "sight_product": ca.dot(o, line), "sight_half": ca.dot(line, line)}
+        aim = f(resting | sight | {"aim_place": place})
+        claims[f"{shape} at rest: the law of reflection holds where the normal aims"] = aim["aim_at.excess"]
+        claims[f"{shape} at rest: the normal aims from its centre"] = ca.vertcat(
+            aim["aim_at.reach"] * resting["path_normal"] - o - place * line, aim["aim_at.place"] - place
+        )
+    aim = f(values)
+    slope = ca.jacobian(aim["aim_at.excess"], values["aim_place"])
+    claims["round mirror at rest: each refinement is a Newton step"] = slope - aim["aim_at.slope"]
+    return claims
 
 
 def _tube(values: Values, shape: str) -> SX:

@@ -32,6 +32,10 @@ SAMPLES = dict.fromkeys((*LENGTHS, "metre", "kilogram", "second_of_time"), (0.5,
     "incidence": (-0.6, 0.6),
     "height": (0.5, 1.0),
     "plane_distance": (8.0, 9.0),
+    "sight_offset": (4.0, 9.0),
+    "sight_half": (0.25, 1.0),
+    "sight_product": (-0.25, 0.25),
+    "aim_place": (-1.0, 1.0),
 }
 
 
@@ -74,7 +78,6 @@ def path(velocity: SX, ball_velocity: SX) -> Values:
         "speed": speed,
         "ball_center": bounce - radius * normal - bounce_time * ball_velocity,
         "ball_velocity": ball_velocity,
-        "ball_slide": SX.zeros(3),
         "ball_radius": radius,
         "path_time": time,
         "path_bounce_time": bounce_time,
@@ -95,12 +98,13 @@ def symbols() -> Values:
     ranges = ("minimum_range", "maximum_range", "time", "sound_wave_number", "absorption_per_metre", "reflection")
     times = ("trigger_latency", "period", "time_out")
     echoes = ("threshold", "spread")
+    sights = ("sight_offset", "sight_product", "sight_half", "aim_place")
     more = ("half_argument_squared", "length", "time_of_flight", "range", "baseline", "trace", "determinant", "along")
     paths, mirrors = path(SX.sym("velocity", 3), SX.sym("ball_velocity", 3)), mirror()
     # so far behind the transmitter that the receiver is in front of the plane too
     foot = paths["transmitter"] - scalar("plane_distance") * mirrors["normal"]
     return {
-        **{name: scalar(name) for name in numbers + ranges + times + echoes + more},
+        **{name: scalar(name) for name in numbers + ranges + times + echoes + sights + more},
         **paths,
         **mirrors,
         "transmitter_velocity": SX.sym("transmitter_velocity", 3),

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..bench.measuring import choices, repeated_step, side_by_side, started
-from ..bench.ultrasonic_sensor import PERIOD, PINGS, REACH, SEVERAL, TARGETS, lit_triangles
+from ..bench.ultrasonic_sensor import ASIDE, PERIOD, PINGS, REACH, ROLLED, SEVERAL, TARGETS, lit_triangles
 from .sensor_peers import Rays, rays
 from .sensor_truths import FOREARM_LENGTH, FOREARM_RADIUS, TRUTHS, WALL, Pose, capsule_at, device
 
@@ -154,8 +154,8 @@ def costs(effort: Effort) -> tuple[list[Cost], dict[str, float], Surface | None]
             peer = rays(pose)
             if peer:
                 counts[Rays.NAME, truth, number], calls[Rays.NAME, truth, number] = PINGS, peer.many(PINGS)
-    bare = {"nothing": {"maximum_range": 1.0}, "three": SEVERAL}
-    bare |= {target: place(REACH, 0.0) for target, place in TARGETS.items()}
+    bare = {"nothing": {"maximum_range": 1.0}, "three": ROLLED | SEVERAL}
+    bare |= {target: ROLLED | place(REACH, ASIDE) for target, place in TARGETS.items()}
     for name, values in bare.items():
         make = partial(started, "UltrasonicSensor", period=PERIOD, **values)
         counts[name,], calls[name,] = many_pings(make, PERIOD)

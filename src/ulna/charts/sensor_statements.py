@@ -64,7 +64,8 @@ def speed(costs: Sequence[Cost], bare: Mapping[str, float], surface: Surface | N
     for target in TARGETS:
         note = f"all of a ping: {1e9 * bare[target]:.0f} ns"
         lone = 1e9 * (bare[target] - bare["nothing"])
-        yield Statement(f"specular, a lone {target}: ns a ping beside an empty one", lone, PER_PRIMITIVE, True, note)
+        claim = f"specular, a lone {target} aside: ns a ping beside an empty one"
+        yield Statement(claim, lone, PER_PRIMITIVE, True, note)
     if surface:
         point = 1e9 * (surface.seconds - bare["nothing"]) / surface.lit
         note = f"{surface.lit} triangles of {surface.vertices} vertices, {1e6 * surface.seconds:.0f} us a ping"

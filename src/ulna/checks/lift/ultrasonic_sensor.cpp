@@ -32,12 +32,25 @@ static void lift_paths()
     Lift refined;
     pair = transceiver(refined);
     Ball ball = {refined.symbols<Vector>("ball_center"), refined.symbols<Vector>("ball_velocity"),
-                 refined.symbols<Vector>("ball_slide"), refined.symbols<Real>("ball_radius")};
+                 refined.symbols<Real>("ball_radius")};
     Path before = {};
     before.time = refined.symbols<Real>("path_time");
     before.share = refined.symbols<Real>("path_share");
     before.bounce_time = refined.symbols<Real>("path_bounce_time");
     save_path(refined, ball_path_refined(&pair, before, ball, refined.symbols<Real>("speed")), "ball_path_refined");
+}
+
+static void lift_aim()
+{
+    Lift lift;
+    Real offset = lift.symbols<Real>("sight_offset"), product = lift.symbols<Real>("sight_product");
+    Sight sight = {offset, product, lift.symbols<Real>("sight_half"), lift.symbols<Real>("ball_radius")};
+    Aim aim = aim_at(sight, lift.symbols<Real>("aim_place"));
+    lift.output("place", aim.place);
+    lift.output("reach", aim.reach);
+    lift.output("excess", aim.excess);
+    lift.output("slope", aim.slope);
+    lift.save("aim_at");
 }
 
 static Path legs(Lift &lift)
@@ -170,6 +183,7 @@ static void lift_functions()
 {
     lift_burst();
     lift_paths();
+    lift_aim();
     lift_curvatures();
     lift_amplitudes();
     lift_air();
