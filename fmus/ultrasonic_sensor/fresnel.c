@@ -7,9 +7,11 @@
  *
  * with the auxiliary functions f and g of Abramowitz and Stegun, 7.3.
  */
+#include "instruction_sets.h"
+
 /* exp(i pi / 4) / sqrt(2) (g(u) - i f(u)) for u >= 0. Rational functions fitted to those of SciPy
  * with the least relative error: 1.6e-7 for f, 3.4e-7 for g, at any u. */
-static Phasor end_of_mirror(double u)
+INLINED Phasor end_of_mirror(double u)
 {
     double f_above = 0.17323427637680733, f_below = 0.544231617756096;
     static const double f_over[] = {0.24655572481987476, 0.846579527895545,  1.2106055770822697,

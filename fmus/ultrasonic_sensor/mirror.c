@@ -4,18 +4,25 @@ enum {
     MOST_SIDES = 3,        /* the wall and a cap, and where rounding cannot tell once more */
 };
 
-#define CLOSE_AIM 1e-6 /* of the first leg: an error e in the aim costs e^2 of it, 1 pm a metre */
+#define CLOSE_AIM 1e-6 /* of the leg: an error e in the aim costs e^2 of it, 10 nm a metre or .03 ns */
 
-/* Where the normal of a mirror at rest aims; `size` is no less than half the baseline. */
-static Aim aim_of(const Sight *sight, double size)
+/* Within 8 % of the length, without a root. */
+static double about_length(Vector a)
 {
-    Aim aim = aim_at(*sight, 0.0);
+    return 0.52 * greater(fabs(a.x), greater(fabs(a.y), fabs(a.z))) + 0.4 * most_of(a);
+}
+
+/* Where the normal of a mirror at rest aims; `length` is about that of the offset. */
+static Aim aim_of(const Sight *sight, double length)
+{
+    Aim aim = aim_at(*sight, first_aim(*sight, length));
     double low = -1.0, high = 1.0;
     for (int i = 0; i < MOST_REFINEMENTS; i++) {
-        if (fabs(aim.excess) * size <= CLOSE_AIM * (aim.reach - sight->radius) * aim.slope) {
+        double close = CLOSE_AIM * (aim.reach - sight->radius);
+        if (aim.change * aim.change * sight->half <= close * close) {
             break;
         }
-        aim = aim_at(*sight, next_between(&low, &high, aim.place, aim.excess, aim.slope));
+        aim = aim_at(*sight, next_between(&low, &high, aim.place, -aim.change, 1.0));
     }
     return aim;
 }
@@ -37,7 +44,7 @@ static Touch touch(const Target *target, Vector transmitter, Vector receiver)
 {
     Vector whole = subtract(target->end, target->start), half = scale(0.5, subtract(receiver, transmitter));
     Vector middle = add(transmitter, half);
-    double square = dot(whole, whole), size = most_of(half), middle_share = 0.0, slide = 0.0;
+    double square = dot(whole, whole), middle_share = 0.0, slide = 0.0;
     if (square > 0.0) {
         double unit = 1.0 / square;
         middle_share = unit * dot(subtract(middle, target->start), whole);
@@ -51,7 +58,7 @@ static Touch touch(const Target *target, Vector transmitter, Vector receiver)
         center = axis_point(target, foot);
         Vector offset = subtract(middle, center), across = add_scaled(half, wall ? -slide : 0.0, whole);
         Sight sight = {dot(offset, offset), dot(offset, across), dot(across, across), target->radius};
-        Aim aim = aim_of(&sight, size);
+        Aim aim = aim_of(&sight, about_length(offset));
         normal = scale(1.0 / aim.reach, add_scaled(offset, aim.place, across));
         share = middle_share + aim.place * slide;
         if (wall ? on_wall(share) : within_axis(share) == foot) {
@@ -87,7 +94,7 @@ static Path moving_path(Ball ball, const Transceiver *pair, double speed)
     Vector line = subtract(pair->receiver, pair->transmitter), half = scale(0.5, line);
     Vector offset = subtract(add(pair->transmitter, half), ball.center);
     Sight sight = {dot(offset, offset), dot(offset, half), dot(half, half), ball.radius};
-    Aim aim = aim_of(&sight, most_of(half));
+    Aim aim = aim_of(&sight, about_length(offset));
     Path path = {.time = 2.0 * (aim.reach - ball.radius) / speed, .share = 0.5 + 0.5 * aim.place};
     path.bounce_time = path.share * path.time;
     double baseline = most_of(line), drift = most_of(ball.velocity), ear = most_of(pair->velocity);

@@ -86,8 +86,8 @@ typedef struct Sight {
 /* Where the normal of a round mirror aims: at o + place l, -1 the transmitter, 1 the receiver. */
 typedef struct Aim {
     real place;
-    real reach;         /* |o + place l| */
-    real excess, slope; /* 0 at the mirror point; by the place */
+    real reach;  /* |o + place l| */
+    real change; /* of the place that Newton's method takes next, 0 at the mirror point */
 } Aim;
 
 /* Alhazen's problem. The two are as high above the plane that touches at the mirror point as the parts into which the
@@ -100,9 +100,17 @@ static inline Aim aim_at(Sight sight, real place)
     aim.place = place;
     aim.reach = sqrt(sight.offset + place * (sight.product + turned));
     real whole = sight.offset + sight.half - sight.radius * aim.reach;
-    aim.excess = sight.product * (1.0 + place * place) + place * whole;
-    aim.slope = 2.0 * place * sight.product + whole - sight.radius * place * turned / aim.reach;
+    real excess = sight.product * (1.0 + place * place) + place * whole;
+    real slope = (2.0 * place * sight.product + whole) * aim.reach - sight.radius * place * turned; /* times reach */
+    aim.change = -excess * aim.reach / slope;
     return aim;
+}
+
+/* Newton's step from 0, with Heron's root of o o from a rough `length`. */
+static inline real first_aim(Sight sight, real length)
+{
+    return -2.0 * length * sight.product
+        / (2.0 * length * (sight.offset + sight.half) - sight.radius * (sight.offset + length * length));
 }
 
 /* The point between transmitter and receiver that the normal at the mirror point aims at. */
@@ -163,17 +171,17 @@ static inline real doppler_of(const Transceiver *pair, Path path, Vector velocit
 
 static inline Curvature sphere_curvature(Path path, real radius)
 {
-    real cosine = dot(path.reflected, path.normal);
-    Curvature round = {2.0 / radius, 1.0 / (radius * radius), (1.0 - cosine * cosine) / radius};
+    real cosine = dot(path.reflected, path.normal), bend = 1.0 / radius;
+    Curvature round = {2.0 * bend, bend * bend, bend * (1.0 - cosine * cosine)};
     return round;
 }
 
 /* `axis` is the unit vector along the cylinder. */
 static inline Curvature cylinder_curvature(Path path, Vector axis, real radius)
 {
-    real cosine = dot(path.reflected, path.normal);
+    real cosine = dot(path.reflected, path.normal), bend = 1.0 / radius;
     real lengthwise = dot(path.incident, axis);
-    Curvature round = {1.0 / radius, 0.0, (1.0 - cosine * cosine - lengthwise * lengthwise) / radius};
+    Curvature round = {bend, 0.0, bend * (1.0 - cosine * cosine - lengthwise * lengthwise)};
     return round;
 }
 
@@ -239,16 +247,23 @@ static inline real left_by_air(real length, real absorption)
     return exp((-1.0 / DECIBEL_PER_NEPER) * absorption * length);
 }
 
-/* Relative to a plane that faces the sensor at 1 m in air without loss, below 0 where the beams turn the phase
- * over. `spread` is the way that would spread the sound as much by a plane, `reflection` the share of the amplitude
- * that the target gives back. */
+/* In air without loss, relative to a plane that faces the sensor at 1 m, below 0 where the beams turn the phase over.
+ * `spread` is the way that would spread the sound as much by a plane, `reflection` the share of the amplitude that the
+ * target gives back. */
+static inline real lossless_amplitude(const Transceiver *pair, Path path, real spread, real reflection,
+                                      real wave_number)
+{
+    real there = piston_directivity(beam_argument(path.incident, pair->axis, wave_number));
+    real back = piston_directivity(beam_argument(path.reflected, pair->receiver_axis, wave_number));
+    return there * back * reflection * (2.0 / spread);
+}
+
+/* The same in air that takes its share. */
 static inline real path_amplitude(const Transceiver *pair, Path path, real spread, real reflection, real wave_number,
                                   real absorption)
 {
     real air = left_by_air(path.first + path.second, absorption);
-    real there = piston_directivity(beam_argument(path.incident, pair->axis, wave_number));
-    real back = piston_directivity(beam_argument(path.reflected, pair->receiver_axis, wave_number));
-    return there * back * reflection * air * (2.0 / spread);
+    return air * lossless_amplitude(pair, path, spread, reflection, wave_number);
 }
 
 /* That of a plane that faces the sensor, without the beam. */

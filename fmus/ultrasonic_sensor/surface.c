@@ -6,8 +6,6 @@
  * the length of the path does to the phase there. Each piece is an onset of the sum in envelope.c; onsets of a
  * short time share a bin, and what a bin adds to C, P and Q after its end is exact.
  */
-#include "instruction_sets.h"
-
 #define LONGEST_PIECE 0.4 /* wavelengths; from .5 on, pieces in a row echo together, off the mirror point too */
 
 enum { BINS = 2048, BATCH = 64, BINS_A_RING_TIME = 64, MOST_BURST_BINS = BINS / 4 };

@@ -11,6 +11,9 @@
 #include "fresnel.c"
 #include "shading.c"
 #include "mirror.c"
+#include "reflection.c"
+#include "capsule.c"
+#include "box.c"
 #include "specular.c"
 #include "doppler.c"
 #include "envelope.c"
@@ -130,8 +133,8 @@ static double normal_number(int32_t seed, int32_t counter)
 /* What is reported of a distance. */
 static double reported_distance(const UltrasonicSensor *sensor, double distance, double error)
 {
-    distance = greater(0.0, distance + error);
-    return sensor->resolution > 0.0 ? sensor->resolution * floor(distance / sensor->resolution + 0.5) : distance;
+    double step = sensor->resolution, whole = greater(0.0, distance + error);
+    return step > 0.0 ? step * floor(whole * (1.0 / step) + 0.5) : whole;
 }
 
 static void pend_echo(UltrasonicSensor *sensor, Detection found)

@@ -65,6 +65,7 @@ def equations(values: Values) -> Values:
         "arrival_time": arrival_time(values["offset"], values["velocity"], values["speed"]),
         **_named("plane_path", plane_path(values)),
         **_named("aim_at", aim(values)),
+        "first_aim": first_aim(values),
         **_named("ball_path_refined", ball_path(values)),
         "doppler_of": doppler(values),
         **_named("sphere_curvature", sphere_curvature(values)),
@@ -159,7 +160,7 @@ def plane_path(values: Values) -> Values:
 
 
 def aim(values: Values) -> Values:
-    """Alhazen's problem by heights: what the law of reflection lacks where a round mirror's normal aims at `place`.
+    """Alhazen's problem by heights: a round mirror's normal aims at `place`, and what Newton's method makes of it.
 
     o from the centre to the middle of the pair, l half its line, drawn in a plane: o o, o l and l l are given. The
     normal aims at o + place l. The transmitter, o - l, and the receiver, o + l, are to be as high above the plane that
@@ -173,8 +174,17 @@ def aim(values: Values) -> Values:
     reach = ca.norm_2(aimed)
     there, back = (ca.dot(end, aimed) / reach - values["ball_radius"] for end in (o - half, o + half))
     excess = reach / 2 * ((1 + place) * back - (1 - place) * there)
-    results = {"place": place, "reach": reach, "excess": excess, "slope": ca.jacobian(excess, place)}
+    results = {"place": place, "reach": reach, "change": -excess / ca.jacobian(excess, place)}
     return {name: ca.substitute(result, place, values["aim_place"]) for name, result in results.items()}
+
+
+def first_aim(values: Values) -> SX:
+    """From the middle of the pair towards the ratio of the two heights there, with the reach as the mean of two sides.
+
+    They are those of a rectangle of the area o o, one of them the rough length.
+    """
+    reach = (values["length"] + values["sight_offset"] / values["length"]) / 2
+    return -values["sight_product"] / (values["sight_offset"] - values["ball_radius"] * reach + values["sight_half"])
 
 
 def ball_path(values: Values) -> Values:

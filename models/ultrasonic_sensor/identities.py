@@ -51,8 +51,6 @@ RESULT_UNITS = {
     "arrival_time": "s",
     "spreading_square": "m2",
     "aim_at.reach": "m",
-    "aim_at.excess": "m2",
-    "aim_at.slope": "m2",
     **{f"{path}.{name}": unit for path in ("plane_path", "ball_path_refined") for name, unit in PATH_UNITS.items()},
     **{f"{body}_curvature.{name}": unit for body in ("sphere", "cylinder") for name, unit in CURVATURE_UNITS.items()},
 }
@@ -250,13 +248,24 @@ def _round_mirror(f: Equations) -> dict[str, SX]:
         o, line = flat @ offset, flat @ half
         sight = {"sight_offset": ca.dot(o, o), "sight_product": ca.dot(o, line), "sight_half": ca.dot(line, line)}
         aim = f(resting | sight | {"aim_place": place})
-        claims[f"{shape} at rest: the law of reflection holds where the normal aims"] = aim["aim_at.excess"]
+        claims[f"{shape} at rest: the law of reflection holds where the normal aims"] = aim["aim_at.change"]
         claims[f"{shape} at rest: the normal aims from its centre"] = ca.vertcat(
             aim["aim_at.reach"] * resting["path_normal"] - o - place * line, aim["aim_at.place"] - place
         )
-    aim = f(values)
-    slope = ca.jacobian(aim["aim_at.excess"], values["aim_place"])
-    claims["round mirror at rest: each refinement is a Newton step"] = slope - aim["aim_at.slope"]
+        slope = ca.jacobian(f(resting | sight)["aim_at.change"], resting["aim_place"])
+        claims[f"{shape} at rest: what the aim misses is Newton's"] = (
+            ca.substitute(slope, resting["aim_place"], place) + 1
+        )
+    length = values["length"]
+    first = f(values)["first_aim"]
+    known = f(values | {"sight_offset": length**2, "aim_place": SX(0)})
+    slope = ca.jacobian(first, length)
+    claims |= {
+        "round mirror: with the length known the first aim is Newton's": known["first_aim"] - known["aim_at.change"],
+        "round mirror: an error of the length shows in the first aim as its square": ca.substitute(
+            slope, values["sight_offset"], length**2
+        ),
+    }
     return claims
 
 

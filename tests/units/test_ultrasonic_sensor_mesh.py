@@ -135,10 +135,10 @@ def test_unused_rows_and_a_mesh_that_faces_away_are_nothing():
 # Why long edges are cut
 
 
-def rebuilt(folder: Path, old: str, new: str, optimization: str = "-O0") -> Path:
-    """An FMU of the sensor with one text of surface.c replaced."""
+def rebuilt(folder: Path, file: str, old: str, new: str, optimization: str = "-O0") -> Path:
+    """An FMU of the sensor with one text of a source file replaced."""
     shutil.unpack_archive(fmu("UltrasonicSensor"), folder / "all", "zip")
-    source = folder / "all" / "sources" / "surface.c"
+    source = folder / "all" / "sources" / file
     text = source.read_text()
     assert text.count(old) == 1
     source.write_text(text.replace(old, new))
@@ -150,9 +150,14 @@ def rebuilt(folder: Path, old: str, new: str, optimization: str = "-O0") -> Path
 
 
 def heard_by(unit: Path | str, mesh: Mesh) -> list:
-    """What it puts out after its first ping."""
+    """What it puts out after its first ping at a mesh."""
+    return outputs_of(unit, mesh.inputs() | {"fidelity": "surface"})
+
+
+def outputs_of(unit: Path | str, values: dict) -> list:
+    """The same at anything."""
     with Slave(unit) as sensor:
-        for name, value in (mesh.inputs() | {"fidelity": "surface", "resolution": 0.0}).items():
+        for name, value in (values | {"resolution": 0.0}).items():
             sensor.set(name, value)
         sensor.initialize(start=0.0)
         sensor.step(0.0, 0.0599)
@@ -163,7 +168,7 @@ def heard_by(unit: Path | str, mesh: Mesh) -> list:
 def uncut(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The sensor with its limit on edges lifted."""
     folder = tmp_path_factory.mktemp("uncut")
-    return rebuilt(folder, "#define LONGEST_PIECE 0.4 ", "#define LONGEST_PIECE 100.0 ")
+    return rebuilt(folder, "surface.c", "#define LONGEST_PIECE 0.4 ", "#define LONGEST_PIECE 100.0 ")
 
 
 def test_without_cuts_a_coarse_mesh_gives_false_echoes(uncut):
@@ -184,8 +189,24 @@ def test_instruction_sets_give_the_same_bits(tmp_path):
     meshes = (ARM, capsule_mesh(START, END, FOREARM, 1.5 * WAVELENGTH))
     expected = [heard_by("UltrasonicSensor", mesh) for mesh in meshes]
     for level, name in enumerate(levels()[:-1]):
-        narrow = rebuilt(tmp_path / name, "find_onsets[pass->instruction_set]", f"find_onsets[{level}]", "-O3")
+        narrow = rebuilt(
+            tmp_path / name, "surface.c", "find_onsets[pass->instruction_set]", f"find_onsets[{level}]", "-O3"
+        )
         assert [heard_by(narrow, mesh) for mesh in meshes] == expected, name
+
+
+def test_instruction_sets_give_a_box_the_same_bits(tmp_path):
+    rng, boxes = np.random.default_rng(5), []
+    for _ in range(40):
+        place, turn, motion = rng.uniform([0.3, -0.2, -0.2], [1.0, 0.2, 0.2]), rng.normal(size=4), rng.normal(size=3)
+        box = {"box_center": place, "box_size": rng.uniform(0.05, 0.3, 3)}
+        box["box_orientation"] = turn / np.linalg.norm(turn)
+        boxes.append(box | {"threshold": -80.0, "velocity": motion})
+    expected = [outputs_of("UltrasonicSensor", box) for box in boxes]
+    assert sum(seen[0] for seen in expected) > 20
+    for level, name in enumerate(levels()[:-1]):
+        narrow = rebuilt(tmp_path / name, "box.c", "hear_ends[widest_instruction_set()]", f"hear_ends[{level}]", "-O3")
+        assert [outputs_of(narrow, box) for box in boxes] == expected, name
 
 
 # What is refused

@@ -36,8 +36,10 @@ def quickest(start, end, radius, baseline, velocity, speed) -> tuple[float, np.n
         (minimize(way, guess, method="SLSQP", bounds=bounds, constraints=within, options=options) for guess in guesses),
         key=lambda result: result.fun,
     )
-    off = best.x[1:]
-    return best.fun / speed, start + best.x[0] * (end - start) + off, off / np.linalg.norm(off)
+    share, normal = best.x[0], best.x[1:] / np.linalg.norm(best.x[1:])
+    # on the skin, which the optimiser keeps to 1e-7: along it the way is flat there
+    off = radius * normal
+    return way(np.r_[share, off]) / speed, start + share * (end - start) + off, normal
 
 
 def near_capsule(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, float]:

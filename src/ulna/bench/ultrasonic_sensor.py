@@ -50,7 +50,7 @@ def box(distance: float, angle: float = 0.0) -> dict:
 
 
 TARGETS = {"plane": plane, "sphere": sphere, "capsule": capsule, "box": box}
-SEVERAL = {**plane(REACH, ASIDE), **sphere(REACH - 0.1, -3 * ASIDE, 0.03), **capsule(REACH - 0.2, 4.5 * ASIDE, 0.03)}
+SEVERAL = {**plane(REACH, ASIDE), **sphere(REACH - 0.1, -3 * ASIDE, 0.03), **capsule(REACH - 0.2, 5 * ASIDE, 0.03)}
 TOGETHER = {**plane(REACH), **sphere(REACH, -4.5 * ASIDE, 0.03)}
 CROWDED = {**plane(REACH, ASIDE), **sphere(REACH - 0.1, -ASIDE, 0.03), **capsule(REACH - 0.2, 3 * ASIDE, 0.03)}
 BEHIND = {**plane(REACH, ASIDE), **sphere(REACH - 0.1, ASIDE), **capsule(REACH - 0.2, ASIDE)}

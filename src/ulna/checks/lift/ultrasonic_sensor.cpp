@@ -40,16 +40,24 @@ static void lift_paths()
     save_path(refined, ball_path_refined(&pair, before, ball, refined.symbols<Real>("speed")), "ball_path_refined");
 }
 
+static Sight sight_of(Lift &lift)
+{
+    Real offset = lift.symbols<Real>("sight_offset"), product = lift.symbols<Real>("sight_product");
+    return {offset, product, lift.symbols<Real>("sight_half"), lift.symbols<Real>("ball_radius")};
+}
+
 static void lift_aim()
 {
+    lift_function("first_aim", [](Lift &lift) {
+        Sight sight = sight_of(lift);
+        return first_aim(sight, lift.symbols<Real>("length"));
+    });
     Lift lift;
-    Real offset = lift.symbols<Real>("sight_offset"), product = lift.symbols<Real>("sight_product");
-    Sight sight = {offset, product, lift.symbols<Real>("sight_half"), lift.symbols<Real>("ball_radius")};
+    Sight sight = sight_of(lift);
     Aim aim = aim_at(sight, lift.symbols<Real>("aim_place"));
     lift.output("place", aim.place);
     lift.output("reach", aim.reach);
-    lift.output("excess", aim.excess);
-    lift.output("slope", aim.slope);
+    lift.output("change", aim.change);
     lift.save("aim_at");
 }
 
