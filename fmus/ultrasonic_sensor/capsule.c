@@ -2,7 +2,7 @@
 
 #define LAST_END 3.5   /* Fresnel's u from which a round end changes an echo by less than .003 */
 
-/* The strip's or capsule's end as seen from a mirror point. */
+/* The end of a capsule's wall as seen from a mirror point. */
 typedef struct End {
     double slope, bend; /* first and second derivative of the path's length along the mirror, at the end */
     double length;      /* of the path by the end */
