@@ -68,22 +68,26 @@ static Touch touch(const Target *target, Vector transmitter, Vector receiver)
     return (Touch){add_scaled(center, target->radius, normal), normal, within_axis(share)};
 }
 
+/* There and back from the middle of the pair. */
+static double about_time(const Target *target, const Transceiver *pair, double speed)
+{
+    Vector middle = scale(0.5, add(pair->transmitter, pair->receiver));
+    return 2.0 / speed * (norm(subtract(middle, axis_point(target, nearest_share(target, middle)))) - target->radius);
+}
+
 /* By a target at rest; its share of the target's axis is written. The receiver is aimed at where it hears the echo. */
 static Path resting_path(const Target *target, const Transceiver *pair, double speed, double *share)
 {
-    double late = 0.0, moved = INFINITY;
-    Vector receiver = pair->receiver;
+    double ear = most_of(pair->velocity), late = ear > 0.0 ? about_time(target, pair, speed) : 0.0;
     Path path = {0};
     for (int i = 0; i < MOST_REFINEMENTS; i++) {
-        Touch plane = touch(target, pair->transmitter, receiver);
+        Touch plane = touch(target, pair->transmitter, add_scaled(pair->receiver, late, pair->velocity));
         path = plane_path(pair, plane.point, plane.normal, speed);
         *share = plane.share;
-        moved = fabs(path.time - late) * most_of(pair->velocity);
-        if (moved <= CLOSE_AIM * path.first) {
+        if (fabs(path.time - late) * ear <= CLOSE_AIM * path.first) {
             break;
         }
         late = path.time;
-        receiver = add_scaled(pair->receiver, late, pair->velocity);
     }
     return path;
 }
