@@ -71,7 +71,7 @@ static Phasor beyond(End end, double rise, double near_bend, double far_bend, do
 {
     Phasor far = tail_of_side(end, rise, far_bend, near_bend, wave_number);
     Phasor near = tail_of_side(end, rise, near_bend, near_bend, wave_number);
-    return phasor_product(phasor_sum(far, -1.0, near), phasor_at(-wave_number * (end.length - length)));
+    return phasor_product(phasor_sum(far, -1.0, near), turned_back(wave_number / (2.0 * PI) * (end.length - length)));
 }
 
 /* Whether an end, the square of its distance from the mirror point given, may change the echo. Quick and on the safe

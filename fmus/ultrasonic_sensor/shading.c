@@ -67,18 +67,33 @@ static Screen screen_of_box(const Box *box, Vector from, Vector leg)
     return screen;
 }
 
-/* Of a wavefront, the share that passes beyond s. */
-static Phasor tail(double s, double unit)
+/* Beyond the four sides of a screen, the shares of a wavefront that pass there; `beyond` from the leg to each. */
+typedef struct Tails {
+    double beyond[4];
+    double re[4], im[4];
+} Tails;
+
+INLINED void tails_beyond(double unit, Tails *restrict tails)
 {
-    double u = fabs(s) * unit;
-    Phasor end = phasor_product(end_of_mirror(u), phasor_at(-0.5 * PI * u * u));
-    return s >= 0.0 ? end : (Phasor){1.0 - end.re, -end.im};
+    for (int i = 0; i < 4; i++) {
+        double u = fabs(tails->beyond[i]) * unit, sign = copysign(1.0, tails->beyond[i]);
+        Phasor end = phasor_product(end_of_mirror(u), turned_back(0.25 * u * u));
+        tails->re[i] = 0.5 * (1.0 - sign) + sign * end.re;
+        tails->im[i] = sign * end.im;
+    }
 }
 
-static Phasor covered(double offset, double half, double unit)
+/* The same operations, two or four sides at a time. */
+IN_EVERY_INSTRUCTION_SET(find_tails, (double unit, Tails *restrict tails), tails_beyond(unit, tails))
+
+static Phasor covered_by(Screen screen, double unit)
 {
-    Phasor above = tail(half + offset, unit), below = tail(half - offset, unit);
-    return (Phasor){1.0 - above.re - below.re, -above.im - below.im};
+    Tails tails = {.beyond = {screen.half[0] + screen.offset[0], screen.half[0] - screen.offset[0],
+                              screen.half[1] + screen.offset[1], screen.half[1] - screen.offset[1]}};
+    find_tails[widest_instruction_set()](unit, &tails);
+    Phasor wide = {1.0 - tails.re[0] - tails.re[1], -tails.im[0] - tails.im[1]};
+    Phasor high = {1.0 - tails.re[2] - tails.re[3], -tails.im[2] - tails.im[3]};
+    return phasor_product(wide, high);
 }
 
 /* What a screen leaves of the sound on a leg that is `reach` long, whose wavefront comes together `focus` behind
@@ -96,8 +111,7 @@ static Phasor passed(Screen screen, double reach, double focus, double wave_numb
     }
     double weight = lesser(1.0, (FAR_LIT - clear) / (FAR_LIT - LIT));
     weight *= lesser(1.0, lesser(screen.along, rest) / screen.depth);
-    Phasor hidden = phasor_product(covered(screen.offset[0], screen.half[0], unit),
-                                   covered(screen.offset[1], screen.half[1], unit));
+    Phasor hidden = covered_by(screen, unit);
     return (Phasor){1.0 - weight * hidden.re, -weight * hidden.im};
 }
 

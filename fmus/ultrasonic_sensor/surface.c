@@ -68,18 +68,6 @@ static inline Beam beam_at(double h)
     return (Beam){value, 2.0 * h * slope, 2.0 * h * slope + 4.0 * h * h * bend};
 }
 
-/* exp(-2 pi i turns) to 1e-7: both series of half the angle. */
-static inline Phasor turned_back(double turns)
-{
-    const double whole = 6755399441055744.0; /* 1.5 2^52: adding it rounds */
-    double half = PI * (turns - ((turns + whole) - whole)), h = half * half;
-    double sine = half * (1.0 + h * (-1.0 / 6.0 + h * (1.0 / 120.0 + h * (-1.0 / 5040.0 + h * (1.0 / 362880.0
-        + h * (-1.0 / 39916800.0))))));
-    double cosine = 1.0 + h * (-1.0 / 2.0 + h * (1.0 / 24.0 + h * (-1.0 / 720.0 + h * (1.0 / 40320.0
-        + h * (-1.0 / 3628800.0 + h * (1.0 / 479001600.0))))));
-    return (Phasor){1.0 - 2.0 * sine * sine, -2.0 * sine * cosine};
-}
-
 /* Mean of exp(-i psi) over a triangle where psi is linear, a, b and -a - b at the corners: the sum of
  * (-i)^n 2 h_n / (n + 2)!, h_n the complete symmetric polynomials of the three (Hermite and Genocchi). To the order 12
  * it is 7e-7 off where |psi| is 2.9, grazing incidence on a triangle of the longest sides; 1e-4 on half a square. */

@@ -195,17 +195,18 @@ def test_instruction_sets_give_the_same_bits(tmp_path):
         assert [heard_by(narrow, mesh) for mesh in meshes] == expected, name
 
 
-def test_instruction_sets_give_a_box_the_same_bits(tmp_path):
+@pytest.mark.parametrize(("file", "table"), [("box.c", "hear_ends"), ("shading.c", "find_tails")])
+def test_instruction_sets_give_a_box_and_shadows_the_same_bits(tmp_path, file, table):
     rng, boxes = np.random.default_rng(5), []
     for _ in range(40):
         place, turn, motion = rng.uniform([0.3, -0.2, -0.2], [1.0, 0.2, 0.2]), rng.normal(size=4), rng.normal(size=3)
         box = {"box_center": place, "box_size": rng.uniform(0.05, 0.3, 3)}
-        box["box_orientation"] = turn / np.linalg.norm(turn)
+        box |= {"box_orientation": turn / np.linalg.norm(turn), "sphere_center": 0.4 * place, "sphere_radius": 0.02}
         boxes.append(box | {"threshold": -80.0, "velocity": motion})
     expected = [outputs_of("UltrasonicSensor", box) for box in boxes]
     assert sum(seen[0] for seen in expected) > 20
     for level, name in enumerate(levels()[:-1]):
-        narrow = rebuilt(tmp_path / name, "box.c", "hear_ends[widest_instruction_set()]", f"hear_ends[{level}]", "-O3")
+        narrow = rebuilt(tmp_path / name, file, f"{table}[widest_instruction_set()]", f"{table}[{level}]", "-O3")
         assert [outputs_of(narrow, box) for box in boxes] == expected, name
 
 
