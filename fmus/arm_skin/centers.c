@@ -59,9 +59,10 @@ static CenterNode between_nodes(CenterNode a, CenterNode b, double step, double 
 
 static CenterNode center_between(const CenterNode *table, double weight)
 {
-    double place = weight * CENTER_STEPS;
-    size_t k = place < CENTER_STEPS ? (size_t)place : CENTER_STEPS - 1;
-    return between_nodes(table[k], table[k + 1], 1.0 / CENTER_STEPS, place - (double)k);
+    const double steps = CENTER_STEPS;
+    double place = weight * steps;
+    size_t k = place < steps ? (size_t)place : CENTER_STEPS - 1;
+    return between_nodes(table[k], table[k + 1], 1.0 / steps, place - (double)k);
 }
 
 /* `rigid` has no weights in between, and no use for centres. */
@@ -71,7 +72,7 @@ static void set_centers(const ArmMesh *mesh, ArmRing *rings)
     bool blended = rings[mesh->elbow].weight < 1.0;
     for (size_t k = 0; k <= CENTER_STEPS; k++) {
         CenterNode none = {0.0, 0.0};
-        table[k] = blended ? center_node(mesh, (double)k / CENTER_STEPS) : none;
+        table[k] = blended ? center_node(mesh, (double)k / (double)CENTER_STEPS) : none;
     }
     for (size_t i = 0; i < mesh->ring_count; i++) {
         CenterNode node = center_between(table, rings[i].weight);
@@ -138,7 +139,7 @@ static void set_vertex_centers(const ArmMesh *mesh, float *rows, size_t stride)
     fill_bins(mesh, bins);
     for (size_t axis = 0; axis < 3; axis++) {
         for (size_t k = 0; k <= CENTER_STEPS; k++) {
-            table[k] = bin_node(bins, axis, (double)k / CENTER_STEPS);
+            table[k] = bin_node(bins, axis, (double)k / (double)CENTER_STEPS);
         }
         for (size_t i = 0; i < n; i++) {
             CenterNode node = center_between(table, (double)mesh->vertex_row[VERTEX_WEIGHT][i]);

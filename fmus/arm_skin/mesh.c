@@ -121,7 +121,7 @@ static double legendre(double z, double *slope)
         before = value;
         value = next;
     }
-    *slope = ZONE_NODES * (before - z * value) / (1.0 - z * z);
+    *slope = (double)ZONE_NODES * (before - z * value) / (1.0 - z * z);
     return value;
 }
 
@@ -131,7 +131,7 @@ static void place_nodes(const ArmSkin *skin, ZoneNode *node)
     double volume = 0.0;
     for (size_t i = 0; i < ZONE_NODES; i++) {
         double slope = 0.0;
-        double z = cos(2.0 * pi_half() * ((double)i + 0.75) / (ZONE_NODES + 0.5));
+        double z = cos(2.0 * pi_half() * ((double)i + 0.75) / ((double)ZONE_NODES + 0.5));
         for (int k = 0; k < 5; k++) {
             double value = legendre(z, &slope);
             z -= value / slope;
@@ -186,7 +186,7 @@ static Status arm_skin_prepare(const ArmSkin *skin, const char *resources, void 
     set_centers(mesh, rings);
     place_nodes(skin, mesh->node);
 
-    double spoke = 4.0 * pi_half() / RING_VERTICES;
+    double spoke = 4.0 * pi_half() / (double)RING_VERTICES;
     for (size_t k = 0; k <= RING_VERTICES; k++) {
         double angle = spoke * (double)(k % RING_VERTICES);
         mesh->cosine[k] = cos(angle);
@@ -196,7 +196,7 @@ static Status arm_skin_prepare(const ArmSkin *skin, const char *resources, void 
             mesh->spoke_z[k] = (float)mesh->sine[k];
         }
     }
-    mesh->unit_ring_area = 0.5 * RING_VERTICES * sin(spoke);
+    mesh->unit_ring_area = 0.5 * (double)RING_VERTICES * sin(spoke);
     mesh->zone_volume = 0.0;
     for (size_t i = mesh->zone_start; i < mesh->zone_end; i++) {
         double a = rings[i].radius;

@@ -241,7 +241,7 @@ static Detection detect_with_mesh(const UltrasonicSensor *sensor, const Surround
                                   const Echo *echoes, int echo_count)
 {
     Bins bins;
-    bins.burst = (int)lesser(ceil(sensor->burst_length * BINS_A_RING_TIME), MOST_BURST_BINS);
+    bins.burst = (int)lesser(ceil(sensor->burst_length * (double)BINS_A_RING_TIME), MOST_BURST_BINS);
     bins.span = sensor->burst_length / (double)bins.burst;
     const int until = bin_at(sensor, &bins, sensor->farthest_time) + 1;
     fill_bins(sensor, around, mesh, 0, until, &bins);

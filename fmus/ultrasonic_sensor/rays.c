@@ -116,7 +116,7 @@ static double cone_length(const UltrasonicSensor *sensor, const Surroundings *ar
         length = lesser(length, length_within(around, center, cosine));
     }
     for (int i = 0; i < RINGS * SPOKES; i++) {
-        double off = half * (i / SPOKES + 1) / RINGS, about = 2.0 * PI * (i % SPOKES) / SPOKES;
+        double off = half * (i / SPOKES + 1) / (double)RINGS, about = 2.0 * PI * (i % SPOKES) / (double)SPOKES;
         Vector side = add(scale(cos(about), turn.y), scale(sin(about), turn.z));
         length = lesser(length, ray_length(around, add(scale(cos(off), turn.x), scale(sin(off), side))));
     }
