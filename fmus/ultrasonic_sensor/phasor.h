@@ -45,11 +45,17 @@ static inline Phasor phasor_at(double angle)
     return (Phasor){cos(angle), sin(angle)};
 }
 
+/* To the nearest whole number, without a branch: adding 1.5 2^52 rounds. */
+static inline double rounded(double a)
+{
+    const double large = 6755399441055744.0;
+    return (a + large) - large;
+}
+
 /* exp(-2 pi i turns) to 1e-7: both series of half the angle. */
 static inline Phasor turned_back(double turns)
 {
-    const double whole = 6755399441055744.0; /* 1.5 2^52: adding it rounds */
-    double half = PI * (turns - ((turns + whole) - whole)), h = half * half;
+    double half = PI * (turns - rounded(turns)), h = half * half;
     double sine = half * (1.0 + h * (-1.0 / 6.0 + h * (1.0 / 120.0 + h * (-1.0 / 5040.0 + h * (1.0 / 362880.0
         + h * (-1.0 / 39916800.0))))));
     double cosine = 1.0 + h * (-1.0 / 2.0 + h * (1.0 / 24.0 + h * (-1.0 / 720.0 + h * (1.0 / 40320.0

@@ -134,7 +134,7 @@ static double normal_number(int32_t seed, int32_t counter)
 static double reported_distance(const UltrasonicSensor *sensor, double distance, double error)
 {
     double step = sensor->resolution, whole = greater(0.0, distance + error);
-    return step > 0.0 ? step * floor(whole * (1.0 / step) + 0.5) : whole;
+    return step > 0.0 ? step * rounded(whole * (1.0 / step)) : whole;
 }
 
 static void pend_echo(UltrasonicSensor *sensor, Detection found)
