@@ -16,6 +16,8 @@ LOST = 0.8
 """Detection agreement that rays and cones, which know no beam and no threshold, do not reach on spheres."""
 PER_PRIMITIVE, PER_POINT = 150.0, 35.0
 """ns"""
+PARTS = {"box": "; nine echoes: mirror point, edges and corners of a face"}
+"""What a target is in more than one part."""
 
 
 def sensor_statements(
@@ -62,7 +64,7 @@ def speed(costs: Sequence[Cost], bare: Mapping[str, float], surface: Surface | N
     claim = "specular, plane, sphere and capsule, clear of each other: ns a primitive"
     yield Statement(claim, each, PER_PRIMITIVE, True, note)
     for target in TARGETS:
-        note = f"all of a ping: {1e9 * bare[target]:.0f} ns"
+        note = f"all of a ping: {1e9 * bare[target]:.0f} ns{PARTS.get(target, '')}"
         lone = 1e9 * (bare[target] - bare["nothing"])
         claim = f"specular, a lone {target} aside: ns a ping beside an empty one"
         yield Statement(claim, lone, PER_PRIMITIVE, True, note)
