@@ -35,10 +35,10 @@ typedef struct Ends {
 
 /* What they echo. */
 typedef struct EndEchoes {
-    double length[MOST_ENDS];                     /* of the path */
-    double clear[MOST_ENDS];                      /* above 0 where both ears are in front */
-    double power[MOST_ENDS];                      /* in shares of the plane's */
-    double re[MOST_ENDS], im[MOST_ENDS];          /* strength, without the air's loss */
+    double length[MOST_ENDS];            /* of the path */
+    double clear[MOST_ENDS];             /* above 0 where both ears are in front */
+    double power[MOST_ENDS];             /* in shares of the plane's */
+    double re[MOST_ENDS], im[MOST_ENDS]; /* strength, without the air's loss */
     double there[MOST_ENDS], back[MOST_ENDS], doppler[MOST_ENDS];
 } EndEchoes;
 

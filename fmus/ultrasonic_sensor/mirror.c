@@ -4,7 +4,7 @@ enum {
     MOST_SIDES = 3,        /* the wall and a cap, and where rounding cannot tell once more */
 };
 
-#define CLOSE_AIM 1e-6 /* of the leg: an error e in the aim costs e^2 of it, 10 nm a metre or .03 ns */
+#define CLOSE_AIM 1e-6 /* of the leg: an error e in the aim costs e^2 of it, 1 pm a metre */
 
 /* Within 8 % of the length, without a root. */
 static double about_length(Vector a)
