@@ -38,7 +38,8 @@ typedef struct EndEchoes {
     double length[MOST_ENDS];            /* of the path */
     double clear[MOST_ENDS];             /* above 0 where both ears are in front */
     double power[MOST_ENDS];             /* in shares of the plane's */
-    double re[MOST_ENDS], im[MOST_ENDS]; /* strength, without the air's loss */
+    double re[MOST_ENDS], im[MOST_ENDS]; /* strength, without the air's loss, and */
+    double modulus[MOST_ENDS];
     double there[MOST_ENDS], back[MOST_ENDS], doppler[MOST_ENDS];
 } EndEchoes;
 
@@ -75,6 +76,7 @@ INLINED void echoes_of_ends(const UltrasonicSensor *sensor, const Transceiver *p
         echoes->length[i] = length;
         echoes->clear[i] = lesser(front, lesser(fall, rise));
         echoes->power[i] = square_of(weight);
+        echoes->modulus[i] = fabs(amplitude) * sqrt(square_of(weight));
         echoes->re[i] = amplitude * weight.re;
         echoes->im[i] = amplitude * weight.im;
         echoes->there[i] = beam_argument(path.incident, ears.axis, k);
@@ -129,11 +131,10 @@ static void add_ends(const UltrasonicSensor *sensor, const Surroundings *around,
     for (int i = 0; i < ends->count; i++) {
         if (found.clear[i] > 0.0 && found.power[i] >= FAINT_END) {
             double air = left_by_air(found.length[i], sensor->absorption);
-            Phasor strength = {air * found.re[i], air * found.im[i]};
             Echo *echo = next_echo(echoes);
             *echo = (Echo){.time = found.length[i] / speed,
-                           .strength = strength,
-                           .amplitude = sqrt(square_of(strength)),
+                           .strength = {air * found.re[i], air * found.im[i]},
+                           .amplitude = air * found.modulus[i],
                            .there = found.there[i],
                            .back = found.back[i],
                            .doppler = found.doppler[i]};
