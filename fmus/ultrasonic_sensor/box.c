@@ -110,8 +110,7 @@ static void find_ends(const Part *along_a, int count_a, const Part *along_b, int
 static bool hear_from_box(const UltrasonicSensor *sensor, const Surroundings *around, const Transceiver *pair,
                           const Path *path, Echo *echo)
 {
-    bool hidden = around->plane && dot(subtract(path->point, around->plane_point), around->plane_normal) < 0.0;
-    return !hidden
+    return !behind_plane(around, path->point)
         && (alone(around, BOX) || hear_shaded(sensor, around, pair, BOX, path, path->first + path->second, echo));
 }
 

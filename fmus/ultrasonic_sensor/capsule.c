@@ -1,6 +1,5 @@
 /* UltrasonicSensor: the echo of a round body, and of the ends of a capsule's wall. */
-
-#define LAST_END 3.5   /* Fresnel's u from which a round end changes an echo by less than .003 */
+#define LAST_END 3.5 /* Fresnel's u from which a round end changes an echo by less than .003 */
 
 /* The end of a capsule's wall as seen from a mirror point. */
 typedef struct End {
@@ -131,8 +130,7 @@ static bool hear_target(const UltrasonicSensor *sensor, const Surroundings *arou
     Vector whole = subtract(target->end, target->start);
     double square = dot(whole, whole), share;
     Path path = target_path(target, pair, sensor->speed_of_sound, &share);
-    /* a solid plane hides what lies behind it */
-    if (around->plane && dot(subtract(path.point, around->plane_point), around->plane_normal) < 0.0) {
+    if (behind_plane(around, path.point)) {
         return false;
     }
     Curvature mirror = sphere_curvature(path, target->radius);

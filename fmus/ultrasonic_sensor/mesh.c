@@ -16,11 +16,9 @@ static bool is_lit(const Pass *pass, Vector point, Vector area)
 /* Before both ears, within the range, and not behind a solid plane. */
 static bool is_open(const Pass *pass, Vector point)
 {
-    const Surroundings *around = pass->around;
     Vector there = subtract(point, pass->pair->transmitter), here = subtract(point, pass->pair->receiver);
     bool before = dot(there, pass->pair->axis) > 0.0 && dot(here, pass->pair->receiver_axis) > 0.0;
-    bool hidden = around->plane && dot(subtract(point, around->plane_point), around->plane_normal) < 0.0;
-    return before && !hidden && dot(there, there) < pass->farthest_square;
+    return before && !behind_plane(pass->around, point) && dot(there, there) < pass->farthest_square;
 }
 
 INLINED void put_row(double columns[3][BATCH], int i, Vector row)

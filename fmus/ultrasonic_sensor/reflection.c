@@ -1,5 +1,4 @@
 /* UltrasonicSensor: a path by a point of a surface, and what comes back along one. */
-
 /* The path by a given surface point; what moves is taken where it is at the reception. */
 INLINED Path path_by(const Transceiver *pair, Vector point, Vector normal, double time, double speed)
 {

@@ -190,10 +190,10 @@ static bool clear_of(const Leg *leg, const Target *target, double slack, double 
     return across * across > near * near * flat_square || (beyond > 0.0 && beyond * beyond > end * end * flat_square);
 }
 
-/* From the image of an ear a leg begins behind the plane, among the images of the bodies. */
-static bool from_image(const Surroundings *around, const Leg *leg)
+/* A solid plane hides what lies there. A leg that begins there is from the image of an ear, among those of the bodies. */
+static bool behind_plane(const Surroundings *around, Vector point)
 {
-    return around->plane && dot(subtract(leg->from, around->plane_point), around->plane_normal) < 0.0;
+    return around->plane && dot(subtract(point, around->plane_point), around->plane_normal) < 0.0;
 }
 
 /* Both legs at a time, as the two ends and motions lie apart, or one by one. */
@@ -207,7 +207,7 @@ static bool clear_of_both(const Leg *there, const Leg *back, const Target *targe
 /* Whether no body but `own` is near a path. */
 static bool clear_of_all(const Surroundings *around, const Leg *there, const Leg *back, int own, double wave_number)
 {
-    if (from_image(around, there) || from_image(around, back)) {
+    if (behind_plane(around, there->from) || behind_plane(around, back->from)) {
         return false;
     }
     for (int i = 0; i < around->targets; i++) {
@@ -223,7 +223,7 @@ static bool clear_of_all(const Surroundings *around, const Leg *there, const Leg
 static Phasor passed_by_all(const Surroundings *around, const Leg *leg, int own, double wave_number)
 {
     Phasor whole = {1.0, 0.0};
-    for (int side = 0; side < (from_image(around, leg) ? 2 : 1); side++) {
+    for (int side = 0; side < (behind_plane(around, leg->from) ? 2 : 1); side++) {
         for (int i = 0; i < around->targets; i++) {
             Target target = side ? mirrored_target(around, &around->target[i]) : around->target[i];
             if ((i != own || side) && !clear_of(leg, &target, 0.0, wave_number)) {

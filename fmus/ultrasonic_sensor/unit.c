@@ -133,8 +133,8 @@ static double normal_number(int32_t seed, int32_t counter)
 /* What is reported of a distance. */
 static double reported_distance(const UltrasonicSensor *sensor, double distance, double error)
 {
-    double step = sensor->resolution, whole = greater(0.0, distance + error);
-    return step > 0.0 ? step * rounded(whole * (1.0 / step)) : whole;
+    double step = sensor->resolution, read = greater(0.0, distance + error);
+    return step > 0.0 ? step * rounded(read * (1.0 / step)) : read;
 }
 
 static void pend_echo(UltrasonicSensor *sensor, Detection found)

@@ -75,7 +75,7 @@ def test_a_near_capsule_is_heard_by_the_quickest_way(baseline, motion):
 
 
 def test_a_ball_around_the_transmitter_does_not_echo_by_way_of_the_ground():
-    """The image of the receiver sees the ball, but not where its normal would aim between the two."""
+    """What it sends stays within, though the image of the receiver sees the outside: the ground changes nothing."""
     ball = {"sphere_center": [-0.033, -0.005, 0.151], "sphere_radius": 0.185}
     ground = {"plane_point": [0.032, 0.035, -0.063], "plane_normal": [-0.40, -0.45, 0.80], "plane_reflection": 0.5}
     alone, mirrored = (ping(**OPEN, **ball, **ground, baseline=0.1, multipath=on) for on in (False, True))

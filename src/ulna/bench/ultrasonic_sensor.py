@@ -118,14 +118,14 @@ def speed_and_accuracy(fidelities: list[str], rounds: int) -> list[Table]:
         if name not in calls:
             beside.append(figures)
             continue
-        errors = [
-            abs(heard(fidelity, "distance", EXACT | TARGETS[target](REACH, angle)) - REACH) for angle in (0.0, ASIDE)
-        ]
+        places = (TARGETS[target](REACH), ROLLED | TARGETS[target](REACH, ASIDE))
+        errors = [abs(heard(fidelity, "distance", EXACT | place) - REACH) for place in places]
         rows.append((*figures, *errors))
     first = Table(
         "UltrasonicSensor: fidelities",
         f"One doStep of {PINGS} pings, target {REACH:g} m away and {np.degrees(ASIDE):g} degrees aside (a plane: "
-        "tilted), nearer to one ear. Errors of the distance against the image source, straight ahead and aside.",
+        "tilted), nearer to one ear. Errors of the distance against the image source, straight ahead and there; it is "
+        "that of a target equally far from both ears.",
         ("fidelity: target", "ns a ping", "ratio", "error ahead, m", "error aside, m"),
         rows,
     )
